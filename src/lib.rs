@@ -1,0 +1,30 @@
+//! rayloom: an offline renderer for POV-Ray scenes and Blender exports.
+//!
+//! The modules are rooms with ranks: a module imports lower ranks only (ARCHITECTURE.md follows a scene through them,
+//! `tests/tidy.rs` checks the ranks).
+
+pub mod math; // rank 0
+
+pub mod diag; // rank 1
+
+pub mod world; // rank 2
+
+pub mod scene; // rank 3
+
+pub mod import;
+pub mod lang; // rank 4
+
+pub mod accel; // rank 5
+
+pub mod compile; // rank 6
+
+pub mod film;
+pub mod kernel; // rank 7
+
+pub mod integrate; // rank 8
+
+pub mod backend; // rank 9
+
+pub mod compare; // rank 10
+
+pub mod job; // rank 11

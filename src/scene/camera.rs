@@ -1,0 +1,92 @@
+//! The camera, with its vectors resolved.
+
+use super::{Normal, Object, Pigment};
+use crate::math::{DVec3, Transform};
+use std::sync::Arc;
+
+/// How picture points become rays. Source: spec/textures.md, section 8.
+#[derive(Clone, Debug)]
+#[expect(missing_docs, reason = "the fields say their unit")]
+pub enum Projection {
+    /// Through a point.
+    Perspective,
+    /// Parallel rays from the picture plane.
+    Orthographic,
+    /// Full angle in radians.
+    Fisheye { angle_rad: f64 },
+    /// Full angle in radians.
+    UltraWideAngle { angle_rad: f64 },
+    /// Dome projection; the angle is fixed.
+    Omnimax,
+    /// Cylinder with a tangent height.
+    Panoramic,
+    /// Equirectangular; full angles in radians.
+    Spherical { horizontal_rad: f64, vertical_rad: f64 },
+    /// POV-Ray's four cylinder cameras.
+    Cylinder { kind: u8, angle_rad: f64 },
+    /// Rays start on the faces of meshes.
+    Mesh { n_rays: u32, distribution: u8, max_distance: f64, meshes: Vec<Object>, smooth: bool },
+}
+
+/// Depth of field.
+#[derive(Clone, Debug)]
+pub struct Blur {
+    /// Diameter of the lens in scene units; not 0.
+    pub aperture: f64,
+    /// Distance of the plane in focus from the location, in scene units.
+    pub focal_distance: f64,
+    /// Fewest samples a pixel.
+    pub min_samples: u32,
+    /// Most samples a pixel.
+    pub max_samples: u32,
+    /// 0..1.
+    pub confidence: f64,
+    /// Of encoded colour, squared.
+    pub variance: f64,
+    /// Weight over the lens, if not a plain disc.
+    pub bokeh: Option<Arc<Pigment>>,
+}
+
+/// A camera. Left-handed when it comes from POV-Ray: x right, y up, z away from the viewer.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    /// Kind of projection.
+    pub projection: Projection,
+    /// Eye point.
+    pub location: DVec3,
+    /// View direction; its length is the distance of the picture plane (perspective).
+    pub direction: DVec3,
+    /// Picture's right; its length is the picture's width on the plane.
+    pub right: DVec3,
+    /// Picture's up; its length is the picture's height on the plane.
+    pub up: DVec3,
+    /// Depth of field.
+    pub blur: Option<Blur>,
+    /// Perturbs ray directions.
+    pub normal: Option<Arc<Normal>>,
+}
+
+impl Default for Camera {
+    /// POV-Ray's default: at the origin, looking along +z, width 1.33.
+    fn default() -> Self {
+        Self {
+            projection: Projection::Perspective,
+            location: DVec3::ZERO,
+            direction: DVec3::Z,
+            right: DVec3::new(1.33, 0.0, 0.0),
+            up: DVec3::Y,
+            blur: None,
+            normal: None,
+        }
+    }
+}
+
+impl Camera {
+    /// Moves the camera: the location as a point, the vectors as directions (a scale changes their lengths).
+    pub fn transform(&mut self, t: &Transform) {
+        self.location = t.point(self.location);
+        for v in [&mut self.direction, &mut self.right, &mut self.up] {
+            *v = t.vector(*v);
+        }
+    }
+}

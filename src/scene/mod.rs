@@ -1,0 +1,75 @@
+//! The scene: what a front end promises to the rest.
+//!
+//! Promises (`validate.rs` checks them, `dump.rs` prints a scene for golden tests):
+//! - every name is resolved, every inherited default is filled in, every length is in scene units, every angle says its unit;
+//! - sharing is by `Arc`, so no id can dangle; a shared part is never changed in place;
+//! - directions are unit unless their comment says otherwise; numbers are finite unless a comment says otherwise;
+//! - an [`Object`]'s `transform` maps its shape, and everything inside it, to its parent's space;
+//!   its own texture, interior and clip objects are already in the parent's space.
+
+pub mod camera;
+pub mod function;
+pub mod image;
+pub mod interior;
+pub mod light;
+pub mod object;
+pub mod pattern;
+pub mod query;
+pub mod settings;
+pub mod shape;
+pub mod spline;
+pub mod texture;
+
+pub use camera::{Camera, Projection};
+pub use function::{Function, FunctionBody};
+pub use image::{Image, ImageMap};
+pub use interior::{Fog, Interior, Media, Rainbow, SkySphere};
+pub use light::Light;
+pub use object::{Object, ObjectFlags};
+pub use pattern::{Pattern, PatternKind, Warp};
+pub use query::SceneQuery;
+pub use settings::Settings;
+pub use shape::{Csg, Mesh, Shape};
+pub use spline::Spline;
+pub use texture::{BlendMap, Finish, Normal, NormalKind, Pigment, PigmentKind, Principled, Texture, TextureLayer};
+
+use crate::math::Rgbft;
+
+/// A whole scene at one moment. See the module's promises.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Global settings.
+    pub settings: Settings,
+    /// The one camera.
+    pub camera: Camera,
+    /// What a ray sees that hits nothing.
+    pub background: Rgbft,
+    /// Seen by direction, in front of the background.
+    pub sky_sphere: Option<SkySphere>,
+    /// Fogs in the order of the file.
+    pub fogs: Vec<Fog>,
+    /// Rainbows in the order of the file.
+    pub rainbows: Vec<Rainbow>,
+    /// Media of the atmosphere.
+    pub atmosphere: Vec<Media>,
+    /// Lights in the order of the file; those inside unions and light groups stand in the objects.
+    pub lights: Vec<Light>,
+    /// Top-level objects in the order of the file.
+    pub objects: Vec<Object>,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            settings: Settings::default(),
+            camera: Camera::default(),
+            background: Rgbft::BLACK,
+            sky_sphere: None,
+            fogs: Vec::new(),
+            rainbows: Vec::new(),
+            atmosphere: Vec::new(),
+            lights: Vec::new(),
+            objects: Vec::new(),
+        }
+    }
+}
