@@ -27,7 +27,15 @@ pub fn render(d: &Diagnostic, map: &SourceMap, style: Style) -> String {
         let text = file.line_text(line).replace('\t', " ");
         let shown: String = text.chars().take(160).collect();
         let width = (span.hi.saturating_sub(span.lo) as usize).clamp(1, shown.len().saturating_sub(col as usize - 1).max(1));
-        let _ = writeln!(out, "{:gutter$} |\n{line} | {shown}\n{:gutter$} | {:pad$}{}", "", "", "", paint(code, &"^".repeat(width)), pad = col as usize - 1);
+        let _ = writeln!(
+            out,
+            "{:gutter$} |\n{line} | {shown}\n{:gutter$} | {:pad$}{}",
+            "",
+            "",
+            "",
+            paint(code, &"^".repeat(width)),
+            pad = col as usize - 1
+        );
     }
     for t in &d.trace {
         let (name, line, col) = map.position(t.span);

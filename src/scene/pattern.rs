@@ -96,22 +96,39 @@ pub struct DensityGrid {
 pub enum PatternKind {
     /// No pattern: a plain colour.
     Plain,
-    Agate { turb: f32 },
+    Agate {
+        turb: f32,
+    },
     Aoi,
     Average,
     Boxed,
     Bozo,
-    Brick { size: DVec3, mortar: f32 },
+    Brick {
+        size: DVec3,
+        mortar: f32,
+    },
     Bumps,
     Cells,
     Checker,
-    Crackle { form: DVec3, metric: f64, offset: f64, solid: bool },
+    Crackle {
+        form: DVec3,
+        metric: f64,
+        offset: f64,
+        solid: bool,
+    },
     Cubic,
     Cylindrical,
     /// `interpolate` is 0, 1 or 2.
-    DensityFile { grid: Arc<DensityGrid>, interpolate: u8 },
+    DensityFile {
+        grid: Arc<DensityGrid>,
+        interpolate: u8,
+    },
     Dents,
-    Facets { coords: Option<f64>, size: f64, metric: f64 },
+    Facets {
+        coords: Option<f64>,
+        size: f64,
+        metric: f64,
+    },
     Fractal(FractalPattern),
     Function(Arc<Function>),
     /// Direction as written; not unit.
@@ -123,17 +140,37 @@ pub enum PatternKind {
     Marble,
     Object(Arc<Object>),
     Onion,
-    Pavement { sides: u8, tiles: u8, pattern: u8, interior: u8, exterior: u8, form: u8 },
+    Pavement {
+        sides: u8,
+        tiles: u8,
+        pattern: u8,
+        interior: u8,
+        exterior: u8,
+        form: u8,
+    },
     Pigment(Arc<Pigment>),
     Planar,
-    Quilted { control0: f32, control1: f32 },
+    Quilted {
+        control0: f32,
+        control1: f32,
+    },
     Radial,
     Ripples,
     /// `direction` is the slope vector, or the point when `point_at`; lengths are weights.
-    Slope { direction: DVec3, point_at: bool, low: f64, high: f64, altitude: Option<(DVec3, f64, f64)> },
+    Slope {
+        direction: DVec3,
+        point_at: bool,
+        low: f64,
+        high: f64,
+        altitude: Option<(DVec3, f64, f64)>,
+    },
     Spherical,
-    Spiral1 { arms: i32 },
-    Spiral2 { arms: i32 },
+    Spiral1 {
+        arms: i32,
+    },
+    Spiral2 {
+        arms: i32,
+    },
     Spotted,
     Square,
     Tiling(u8),

@@ -118,43 +118,155 @@ pub enum JuliaFunction {
 #[derive(Clone, Debug)]
 #[expect(missing_docs, reason = "the names are POV-Ray's; spec/objects.md defines each")]
 pub enum Shape {
-    Sphere { center: DVec3, radius: f64 },
-    Box { min: DVec3, max: DVec3 },
-    Cylinder { a: DVec3, b: DVec3, radius: f64, open: bool },
-    Cone { a: DVec3, radius_a: f64, b: DVec3, radius_b: f64, open: bool },
+    Sphere {
+        center: DVec3,
+        radius: f64,
+    },
+    Box {
+        min: DVec3,
+        max: DVec3,
+    },
+    Cylinder {
+        a: DVec3,
+        b: DVec3,
+        radius: f64,
+        open: bool,
+    },
+    Cone {
+        a: DVec3,
+        radius_a: f64,
+        b: DVec3,
+        radius_b: f64,
+        open: bool,
+    },
     /// `normal` is unit: points with normal·p = distance.
-    Plane { normal: DVec3, distance: f64 },
+    Plane {
+        normal: DVec3,
+        distance: f64,
+    },
     /// `normal` is unit.
-    Disc { center: DVec3, normal: DVec3, radius: f64, hole: f64 },
-    Torus { major: f64, minor: f64 },
+    Disc {
+        center: DVec3,
+        normal: DVec3,
+        radius: f64,
+        hole: f64,
+    },
+    Torus {
+        major: f64,
+        minor: f64,
+    },
     /// Normals when smooth (unit).
-    Triangle { vertices: [DVec3; 3], normals: Option<[DVec3; 3]> },
+    Triangle {
+        vertices: [DVec3; 3],
+        normals: Option<[DVec3; 3]>,
+    },
     Mesh(Arc<Mesh>),
-    Polygon { points: Vec<DVec3> },
-    BicubicPatch { points: Box<[[DVec3; 4]; 4]>, uvs: [DVec2; 4], flatness: f64, u_steps: u32, v_steps: u32, accuracy: f64 },
+    Polygon {
+        points: Vec<DVec3>,
+    },
+    BicubicPatch {
+        points: Box<[[DVec3; 4]; 4]>,
+        uvs: [DVec2; 4],
+        flatness: f64,
+        u_steps: u32,
+        v_steps: u32,
+        accuracy: f64,
+    },
     /// x², y², z², xy, xz, yz, x, y, z, 1.
-    Quadric { coefficients: [f64; 10] },
+    Quadric {
+        coefficients: [f64; 10],
+    },
     /// Coefficients in POV-Ray's order.
-    Poly { order: u32, coefficients: Vec<f64> },
-    Blob { threshold: f64, components: Vec<BlobComponent> },
-    Lathe { kind: CurveKind, points: Vec<DVec2> },
-    Sor { points: Vec<DVec2>, open: bool },
-    Prism { kind: CurveKind, conic: bool, low: f64, high: f64, points: Vec<DVec2>, open: bool },
-    SphereSweep { kind: SweepKind, spheres: Vec<(DVec3, f64)>, tolerance: f64 },
-    Superellipsoid { e: f64, n: f64 },
-    Ovus { bottom: f64, top: f64 },
+    Poly {
+        order: u32,
+        coefficients: Vec<f64>,
+    },
+    Blob {
+        threshold: f64,
+        components: Vec<BlobComponent>,
+    },
+    Lathe {
+        kind: CurveKind,
+        points: Vec<DVec2>,
+    },
+    Sor {
+        points: Vec<DVec2>,
+        open: bool,
+    },
+    Prism {
+        kind: CurveKind,
+        conic: bool,
+        low: f64,
+        high: f64,
+        points: Vec<DVec2>,
+        open: bool,
+    },
+    SphereSweep {
+        kind: SweepKind,
+        spheres: Vec<(DVec3, f64)>,
+        tolerance: f64,
+    },
+    Superellipsoid {
+        e: f64,
+        n: f64,
+    },
+    Ovus {
+        bottom: f64,
+        top: f64,
+    },
     /// `slice` is the plane's normal in 4-space.
-    JuliaFractal { c: DVec4, hypercomplex: bool, function: JuliaFunction, max_iteration: u32, precision: f64, slice: DVec4, slice_distance: f64 },
-    HeightField { heights: Arc<HeightGrid>, water_level: f64, smooth: bool },
-    Isosurface { function: Arc<Function>, container: Container, threshold: f64, accuracy: f64, max_gradient: f64, evaluate: Option<[f64; 3]>, open: bool, max_trace: u32 },
-    Parametric { functions: [Arc<Function>; 3], min: DVec2, max: DVec2, container: Container, accuracy: f64, max_gradient: f64, precompute: Option<(u32, [bool; 3])> },
+    JuliaFractal {
+        c: DVec4,
+        hypercomplex: bool,
+        function: JuliaFunction,
+        max_iteration: u32,
+        precision: f64,
+        slice: DVec4,
+        slice_distance: f64,
+    },
+    HeightField {
+        heights: Arc<HeightGrid>,
+        water_level: f64,
+        smooth: bool,
+    },
+    Isosurface {
+        function: Arc<Function>,
+        container: Container,
+        threshold: f64,
+        accuracy: f64,
+        max_gradient: f64,
+        evaluate: Option<[f64; 3]>,
+        open: bool,
+        max_trace: u32,
+    },
+    Parametric {
+        functions: [Arc<Function>; 3],
+        min: DVec2,
+        max: DVec2,
+        container: Container,
+        accuracy: f64,
+        max_gradient: f64,
+        precompute: Option<(u32, [bool; 3])>,
+    },
     /// Outlines are resolved: `glyphs` are extruded, each at its offset.
-    Text { glyphs: Vec<Glyph>, depth: f64 },
-    Csg { op: Csg, children: Vec<Object> },
+    Text {
+        glyphs: Vec<Glyph>,
+        depth: f64,
+    },
+    Csg {
+        op: Csg,
+        children: Vec<Object>,
+    },
     /// Another object, with a transform and modifiers of its own around it.
-    Group { child: Arc<Object> },
+    Group {
+        child: Arc<Object>,
+    },
     /// `global_lights`: the scene's lights shine on the members too.
-    LightGroup { children: Vec<Object>, lights: Vec<Light>, global_lights: Option<bool> },
+    LightGroup {
+        children: Vec<Object>,
+        lights: Vec<Light>,
+        global_lights: Option<bool>,
+    },
     /// A light inside a union.
     Light(Box<Light>),
 }
@@ -178,4 +290,3 @@ pub struct Glyph {
     /// Each contour's segments: start, control (equal to the start for a line), end.
     pub contours: Vec<Vec<[DVec2; 3]>>,
 }
-
