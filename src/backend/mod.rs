@@ -1,1 +1,54 @@
-//! (room being built)
+//! The machines: each renders a compiled scene to a film.
+
+pub mod cpu;
+
+use crate::compile::CompiledScene;
+use crate::film::Film;
+use crate::integrate::RenderSettings;
+use std::sync::atomic::AtomicBool;
+
+/// Why a picture could not be finished.
+#[derive(Debug, thiserror::Error)]
+pub enum BackendError {
+    /// No device of the kind asked for.
+    #[error("no usable GPU: {0}")]
+    NoDevice(String),
+    /// The device went away while rendering; what was done is in the film.
+    #[error("the device was lost: {0}")]
+    DeviceLost(String),
+    /// The scene needs more memory than the device gives.
+    #[error("{what} needs {needed} bytes, the device gives {limit}")]
+    TooLarge {
+        /// "the triangle buffer".
+        what: String,
+        /// Bytes.
+        needed: u64,
+        /// Bytes.
+        limit: u64,
+    },
+    /// The scene uses something that this machine cannot render; the caller falls back.
+    #[error("not on this device: {0}")]
+    Unsupported(String),
+}
+
+/// Told while rendering, from any thread.
+pub trait Progress: Sync {
+    /// `done` of `total` pixels (times passes) are finished.
+    fn pixels(&self, done: u64, total: u64);
+}
+
+/// A machine.
+pub trait Backend {
+    /// "CPU, 2 threads", "NVIDIA H100 (Vulkan)".
+    fn name(&self) -> String;
+    /// Renders into `film` until finished or `cancel` is set; pixels outside the crop are left alone.
+    /// After an error or a cancel the film holds what was rendered, and `film.samples` says where.
+    fn render(
+        &self,
+        scene: &CompiledScene,
+        settings: &RenderSettings,
+        film: &mut Film,
+        progress: &dyn Progress,
+        cancel: &AtomicBool,
+    ) -> Result<(), BackendError>;
+}

@@ -1,1 +1,27 @@
-//! (room being built)
+//! Pixels on their way out: accumulation, gamma, files. Knows nothing of scenes or rays.
+
+/// A picture being made: linear working-space colour and transparency, `[height][width]`, row-major, top row first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue, transmit (1 - alpha) of each pixel: the mean of its samples.
+    pub pixels: Vec<[f32; 4]>,
+    /// Samples in each pixel's mean; 0 for a pixel not rendered yet.
+    pub samples: Vec<u32>,
+}
+
+impl Film {
+    /// A black film with no samples.
+    pub fn new(width: u32, height: u32) -> Self {
+        let n = width as usize * height as usize;
+        Self { width, height, pixels: vec![[0.0; 4]; n], samples: vec![0; n] }
+    }
+
+    /// Place of a pixel in the arrays.
+    pub fn index(&self, x: u32, y: u32) -> usize {
+        y as usize * self.width as usize + x as usize
+    }
+}

@@ -1,1 +1,50 @@
-//! (room being built)
+//! Light transport: `classic` is POV-Ray's, `path` is unbiased. Neither knows which machine the rest of the picture runs on.
+
+/// POV-Ray's antialiasing. Source: spec/light.md, section 12.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Antialias {
+    /// 1 or 2.
+    pub method: u8,
+    /// Difference that asks for more samples.
+    pub threshold: f32,
+    /// 1..=9.
+    pub depth: u8,
+    /// 0..=1; 0 for none.
+    pub jitter: f64,
+    /// Encoding of the compared colours.
+    pub gamma: f32,
+}
+
+/// Which light transport.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IntegratorKind {
+    /// POV-Ray's.
+    Classic,
+    /// Unbiased path tracing.
+    Path,
+}
+
+/// What to render of a compiled scene, and how.
+#[derive(Clone, Debug)]
+pub struct RenderSettings {
+    /// Columns of the whole picture.
+    pub width: u32,
+    /// Rows of the whole picture.
+    pub height: u32,
+    /// Left, top, right, bottom of the part to render; right and bottom exclusive.
+    pub crop: [u32; 4],
+    /// POV-Ray's antialiasing (classic), if any.
+    pub antialias: Option<Antialias>,
+    /// Samples a pixel (path, and classic for imports), first and one past the last: ranges add up.
+    pub samples: std::ops::Range<u32>,
+    /// Light transport.
+    pub integrator: IntegratorKind,
+    /// Threads; the picture does not depend on it.
+    pub threads: usize,
+    /// Seed of random streams.
+    pub seed: u32,
+    /// Background is transparent.
+    pub output_alpha: bool,
+    /// Side of the blocks that pixels are rendered in (POV-Ray's `+BS`, 32): decides antialiasing at block borders.
+    pub block_size: u32,
+}

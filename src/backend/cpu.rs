@@ -1,0 +1,1 @@
+//! The CPU back end: rayon over blocks of pixels, f64 geometry, the same picture whatever the thread count.
