@@ -3,6 +3,7 @@
 //! CSG is flattened: every leaf is a primitive of its own, whose bounds are already cut by its CSG parents, and whose
 //! clip program says whether a hit on it stands (ARCHITECTURE.md, "CSG without recursion").
 
+use super::shape::Shapes;
 use crate::math::{Bounds, Transform};
 
 /// Kinds of primitives; the number is the tag on the GPU.
@@ -57,6 +58,14 @@ pub mod prim_flags {
     pub const CUTAWAY: u32 = 1 << 9;
     /// Not lit by the scene's lights (member of a light group without `global_lights`).
     pub const NO_GLOBAL_LIGHTS: u32 = 1 << 10;
+    /// Not part of the picture (projected_through, object patterns): neither in the tree nor in the unbounded list.
+    pub const HIDDEN: u32 = 1 << 11;
+    /// Only asked whether points are inside (clip objects); no ray hits it. Always `HIDDEN` too.
+    pub const INSIDE_ONLY: u32 = 1 << 12;
+    /// Some texture of it looks at (u, v) although the object does not map all of it.
+    pub const NEEDS_UV: u32 = 1 << 13;
+    /// Flags that a ray may skip by.
+    pub const SKIPPABLE: u32 = NO_SHADOW | NO_IMAGE | NO_REFLECTION | NO_RADIOSITY;
 }
 
 /// One leaf of the scene.
@@ -95,10 +104,11 @@ pub struct Surface {
     pub transform_ix: u32,
 }
 
-/// A step of an inside program, in postfix order; the result of a program is the value left on the stack.
+/// A step of an inside program. Programs run from first to last on a stack of bits; a program whose `Require` steps all
+/// hold gives the bit left on the stack, or true when none is left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InsideStep {
-    /// Whether the point is inside primitive `prim_ix` (its own inversion applied, its clip program not).
+    /// Pushes whether the point is inside primitive `prim_ix` (its own inversion applied, its clip program not).
     Prim(u32),
     /// Both of the two topmost values.
     And,
@@ -106,6 +116,18 @@ pub enum InsideStep {
     Or,
     /// The opposite of the topmost value.
     Not,
+    /// Pops the topmost value; the whole program is false unless it is true.
+    Require,
+    /// The whole program is false unless the point is inside the primitive.
+    RequireIn(u32),
+    /// The whole program is false when the point is inside the primitive.
+    RequireOut(u32),
+    /// Skips the next `skip` steps when the program runs for a hit on one of the primitives `first..first + count`:
+    /// one program serves all children of a CSG, and each leaves out its own part.
+    SkipOwn { first: u32, count: u32, skip: u32 },
+    /// May skip the next `skip` steps when the point is outside box `box_ix` of [`Geometry::clip_boxes`]:
+    /// they could not make the program false there. A hint, right to ignore.
+    SkipOutside { box_ix: u32, skip: u32 },
 }
 
 /// A range of steps.
@@ -113,7 +135,7 @@ pub enum InsideStep {
 pub struct InsideProgram {
     /// First step in [`Geometry::clip_steps`].
     pub start: u32,
-    /// Number of steps; 0 is "never inside".
+    /// Number of steps; 0 is "never inside" for an object, "every hit stands" for a primitive.
     pub len: u32,
 }
 
@@ -122,30 +144,44 @@ impl InsideProgram {
     pub const MAX_DEPTH: usize = 64;
 }
 
-/// A top-level object.
+/// A top-level object, or a hidden one (projected_through, object patterns).
 #[derive(Clone, Debug)]
 pub struct ObjectRecord {
-    /// Its primitives, consecutive.
+    /// Its primitives, consecutive; those of its clip objects stand among them (`INSIDE_ONLY`).
     pub prims: std::ops::Range<u32>,
     /// Whether a point is inside the whole object.
     pub inside: InsideProgram,
     /// World box.
     pub bounds: Bounds,
+    /// Filling of the object as a whole, into `CompiledScene::interiors`; `NONE` for hidden objects.
+    pub interior_ix: u32,
+    /// Part of the picture.
+    pub visible: bool,
+    /// Made of shapes that have an inside.
+    pub solid: bool,
 }
 
-/// All geometry of a scene. Shape tables (one per kind) are added here by kind.
+/// All geometry of a scene.
 #[derive(Debug, Default)]
 pub struct Geometry {
     /// Leaves, grouped by top-level object.
     pub prims: Vec<Prim>,
     /// World boxes of the leaves, same order, already cut by CSG parents.
     pub bounds: Vec<Bounds>,
+    /// Shape tables.
+    pub shapes: Shapes,
     /// Distinct transforms; entry 0 is the identity.
     pub transforms: Vec<Transform>,
     /// Distinct covers.
     pub surfaces: Vec<Surface>,
     /// Steps of clip and inside programs.
     pub clip_steps: Vec<InsideStep>,
-    /// Top-level objects.
+    /// Boxes that programs look at.
+    pub clip_boxes: Vec<Bounds>,
+    /// Top-level objects in the order of the file (unions dissolved), hidden ones among them.
     pub objects: Vec<ObjectRecord>,
+    /// Primitives without finite bounds that rays can hit.
+    pub unbounded: Vec<u32>,
+    /// Primitives with finite bounds that rays can hit: what the tree is built over.
+    pub bounded: Vec<u32>,
 }

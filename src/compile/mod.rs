@@ -2,13 +2,21 @@
 //!
 //! Data holds indices only, named on the GPU as here. Nothing here traces a ray.
 
+mod features;
+mod flatten;
 pub mod geometry;
+mod leaf;
+mod programs;
+pub mod shape;
+mod tables;
 pub mod texture;
+mod texture_stub;
 
-use crate::diag::{Severity, Sink};
-use crate::math::{Rgb, Rgbft};
+use crate::diag::Sink;
+use crate::math::{Rgb, Rgbft, Transform};
 use crate::scene::{Camera, Fog, Light, Rainbow, Scene, Settings};
-use geometry::{Geometry, InsideProgram};
+use flatten::Flattener;
+use geometry::Geometry;
 use texture::{PigmentIx, TextureTables};
 
 /// "No index" in every table.
@@ -42,6 +50,8 @@ pub struct CompiledScene {
     pub media: Vec<Media>,
     /// All lights in world space: the scene's, those inside unions, those of light groups.
     pub lights: Vec<CompiledLight>,
+    /// Light groups; `Prim::group_ix` points here.
+    pub light_groups: Vec<LightGroup>,
     /// The camera in world space.
     pub camera: Camera,
     /// Global settings.
@@ -87,7 +97,7 @@ pub struct Media {
     pub params: crate::scene::Media,
     /// Pigments whose product is the density.
     pub densities: Vec<PigmentIx>,
-    /// From world space to the densities' space, into `Geometry::transforms`.
+    /// World from the densities' space, into `Geometry::transforms`.
     pub transform_ix: u32,
 }
 
@@ -100,6 +110,15 @@ pub struct CompiledLight {
     pub group_ix: u32,
     /// Primitives that the light must pass, into `Geometry::objects`, or [`NONE`].
     pub projected_through: u32,
+}
+
+/// Objects with lights of their own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LightGroup {
+    /// Group around this one, whose lights shine here too, or [`NONE`].
+    pub parent: u32,
+    /// Its own lights, into `CompiledScene::lights`.
+    pub lights: Vec<u32>,
 }
 
 /// The sky's pigments.
@@ -158,13 +177,49 @@ pub enum CompileError {
         /// The limit.
         limit: u64,
     },
-    /// Objects inside objects deeper than the clip programs can hold.
-    #[error("CSG is nested {0} deep; at most {limit} is possible", limit = InsideProgram::MAX_DEPTH)]
-    TooDeep(usize),
+    /// Objects inside objects deeper than the compile step or the clip programs can hold.
+    #[error("objects are nested {depth} deep; at most {limit} is possible")]
+    TooDeep {
+        /// How deep.
+        depth: usize,
+        /// The limit.
+        limit: usize,
+    },
 }
 
 /// Compiles a scene. What cannot be rendered yet is left out with a note in `sink`, once a kind.
 pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let _ = (scene, options, Severity::Note, sink);
-    unimplemented!("being built by the geometry room")
+    let mut flattener = Flattener::new(Default::default(), scene.objects.len(), sink);
+    for light in &scene.lights {
+        flattener.add_light(light)?;
+    }
+    for object in &scene.objects {
+        flattener.add_visible(object)?;
+    }
+    let atmosphere = scene.atmosphere.iter().map(|m| flattener.medium(m, &Transform::IDENTITY)).collect();
+    let sky = scene.sky_sphere.as_ref().map(|sky| CompiledSky {
+        pigments: sky.pigments.iter().map(|p| flattener.textures.pigment(p)).collect(),
+        emission: sky.emission,
+        transform_ix: flattener.transforms.add(&sky.transform),
+    });
+    let (geometry, rest) = flattener.finish();
+    let mut compiled = CompiledScene {
+        geometry,
+        textures: rest.textures.finish(),
+        interiors: rest.interiors,
+        media: rest.media,
+        lights: rest.lights,
+        light_groups: rest.light_groups,
+        camera: scene.camera.clone(),
+        settings: scene.settings.clone(),
+        background: scene.background,
+        sky,
+        fogs: scene.fogs.iter().filter(|f| f.distance != 0.0).cloned().collect(),
+        rainbows: scene.rainbows.clone(),
+        atmosphere,
+        features: FeatureSet::default(),
+        options: options.clone(),
+    };
+    compiled.features = features::find(&compiled);
+    Ok(compiled)
 }

@@ -1,6 +1,12 @@
 //! What both machines must do, on the CPU: intersect, traverse, pattern, texture, finish, media, light. Twins stand in `shaders/shared/`.
 //! The kernel reads a `CompiledScene` and never allocates per ray.
 
+#[cfg(test)]
+mod geometry_tests;
+pub mod inside;
+pub mod intersect;
+pub mod traverse;
+
 use crate::math::{DVec2, DVec3};
 
 /// A point where a ray meets a surface.

@@ -1,0 +1,544 @@
+//! Objects → primitives: nesting, inheritance and CSG are resolved here.
+//!
+//! First the object's tree becomes `Node`s whose leaves are primitives (inversions pushed down, De Morgan); then every leaf gets
+//! its clip program and its bounds from the nodes above it. Source: spec/objects.md, section 13.
+
+use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, Surface, prim_flags};
+use super::leaf::{NoLeaf, add_leaf};
+use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
+use super::tables::{SurfaceTable, TransformTable};
+use super::texture_stub::TextureBuilder;
+use super::{CompileError, CompiledLight, Interior, LightGroup, Media, NONE};
+use crate::diag::Sink;
+use crate::math::{Bounds, Rgbft, Transform};
+use crate::scene::{self, Csg, Light, Object, Shape, Texture};
+use std::sync::Arc;
+
+/// Most primitives of a scene (triangles of meshes are not counted).
+const MAX_PRIMS: usize = 1 << 26;
+/// Most steps of all programs.
+const MAX_STEPS: usize = 1 << 26;
+/// Deepest nesting of objects; the compile step recurses.
+const MAX_NESTING: usize = 500;
+
+/// What a node hands down to those below it.
+#[derive(Clone)]
+struct Inherited {
+    to_world: Transform,
+    texture: Option<(Arc<Texture>, Transform)>,
+    interior_texture: Option<(Arc<Texture>, Transform)>,
+    interior_ix: u32,
+    hollow: Option<bool>,
+    /// `prim_flags` that are on.
+    flags: u32,
+    group_ix: u32,
+    depth: usize,
+}
+
+/// What an object is compiled for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Part of the picture.
+    Visible,
+    /// Hit on purpose or asked for its inside, never seen.
+    Hidden,
+}
+
+/// Collects the geometry, the fillings and the lights of a scene.
+pub(super) struct Flattener<'a> {
+    pub geometry: Geometry,
+    pub interiors: Vec<Interior>,
+    pub media: Vec<Media>,
+    pub lights: Vec<CompiledLight>,
+    pub light_groups: Vec<LightGroup>,
+    pub textures: TextureBuilder,
+    pub transforms: TransformTable,
+    surfaces: SurfaceTable,
+    nodes: Vec<Node>,
+    /// Lights met inside an object that is being compiled.
+    pending_lights: Vec<(Light, Inherited)>,
+    default_texture: Arc<Texture>,
+    n_top_level: usize,
+    sink: &'a mut Sink,
+}
+
+impl<'a> Flattener<'a> {
+    /// Nothing yet; `n_top_level` objects will follow.
+    pub fn new(textures: TextureBuilder, n_top_level: usize, sink: &'a mut Sink) -> Self {
+        Self {
+            geometry: Geometry::default(),
+            interiors: Vec::new(),
+            media: Vec::new(),
+            lights: Vec::new(),
+            light_groups: Vec::new(),
+            textures,
+            transforms: TransformTable::new(),
+            surfaces: SurfaceTable::default(),
+            nodes: Vec::new(),
+            pending_lights: Vec::new(),
+            default_texture: Arc::new(Texture::solid(Rgbft::BLACK)),
+            n_top_level,
+            sink,
+        }
+    }
+
+    /// Adds a top-level object of the scene.
+    pub fn add_visible(&mut self, object: &Object) -> Result<(), CompileError> {
+        self.top_level(object, &Inherited::top(), Role::Visible)
+    }
+
+    /// Adds an object that is not part of the picture and gives its index in `Geometry::objects`.
+    pub fn add_hidden(&mut self, object: &Object) -> Result<u32, CompileError> {
+        let entered = self.enter(object, &Inherited::top(), Role::Hidden);
+        self.record(object, &entered, Role::Hidden)
+    }
+
+    /// Adds a light of the scene.
+    pub fn add_light(&mut self, light: &Light) -> Result<(), CompileError> {
+        self.light(light, &Inherited::top())
+    }
+
+    /// The finished tables.
+    pub fn finish(mut self) -> (Geometry, Self) {
+        let mut geometry = std::mem::take(&mut self.geometry);
+        geometry.transforms = std::mem::take(&mut self.transforms.items);
+        geometry.surfaces = std::mem::take(&mut self.surfaces.items);
+        for (k, (prim, bounds)) in geometry.prims.iter().zip(&geometry.bounds).enumerate() {
+            if prim.flags & prim_flags::HIDDEN != 0 || bounds.is_empty() {
+                continue;
+            }
+            if bounds.is_unbounded() {
+                geometry.unbounded.push(k as u32);
+            } else {
+                geometry.bounded.push(k as u32);
+            }
+        }
+        (geometry, self)
+    }
+
+    fn top_level(&mut self, object: &Object, above: &Inherited, role: Role) -> Result<(), CompileError> {
+        let entered = self.enter(object, above, role);
+        if entered.depth > MAX_NESTING {
+            return Err(CompileError::TooDeep { depth: entered.depth, limit: MAX_NESTING });
+        }
+        let plain = object.clipped_by.is_empty() && !object.flags.inverse;
+        let inside = entered.descend(object);
+        match &object.shape {
+            Shape::Csg { op: Csg::Union, children } if plain && object.bounded_by.is_empty() && object.flags.split_union != Some(false) => {
+                children.iter().try_for_each(|c| self.top_level(c, &inside, role))
+            }
+            Shape::Group { child } if plain => self.top_level(child, &inside, role),
+            Shape::LightGroup { children, lights, global_lights } if plain => {
+                let mut inside = inside;
+                self.enter_light_group(&mut inside, *global_lights);
+                lights.iter().try_for_each(|l| self.light(l, &inside))?;
+                children.iter().try_for_each(|c| self.top_level(c, &inside, role))
+            }
+            Shape::Light(light) => self.light(light, &inside),
+            _ => self.record(object, &entered, role).map(|_| ()),
+        }
+    }
+
+    fn enter_light_group(&mut self, inside: &mut Inherited, global_lights: Option<bool>) {
+        match global_lights {
+            Some(true) => inside.flags &= !prim_flags::NO_GLOBAL_LIGHTS,
+            Some(false) => inside.flags |= prim_flags::NO_GLOBAL_LIGHTS,
+            None if inside.group_ix == NONE => inside.flags |= prim_flags::NO_GLOBAL_LIGHTS,
+            None => {}
+        }
+        self.light_groups.push(LightGroup { parent: inside.group_ix, lights: Vec::new() });
+        inside.group_ix = self.light_groups.len() as u32 - 1;
+    }
+
+    fn light(&mut self, light: &Light, above: &Inherited) -> Result<(), CompileError> {
+        let mut light = light.clone();
+        let looks_like = light.looks_like.take();
+        let projected = light.projected_through.take();
+        light.transform(&above.to_world);
+        if let Some(mut object) = looks_like {
+            object.flags.no_shadow = Some(true);
+            self.top_level(&object, &Inherited { interior_ix: NONE, ..above.clone() }, Role::Visible)?;
+        }
+        let projected_through = match projected {
+            Some(object) => {
+                let entered = self.enter(&object, &Inherited { to_world: above.to_world, ..Inherited::top() }, Role::Hidden);
+                self.record(&object, &entered, Role::Hidden)?
+            }
+            None => NONE,
+        };
+        self.lights.push(CompiledLight { light, group_ix: above.group_ix, projected_through });
+        let light_ix = self.lights.len() as u32 - 1;
+        if let Some(g) = self.light_groups.get_mut(above.group_ix as usize) {
+            g.lights.push(light_ix);
+        }
+        Ok(())
+    }
+
+    /// What holds for `object` itself: its own settings over those from above, still in its parent's space.
+    fn enter(&mut self, object: &Object, above: &Inherited, role: Role) -> Inherited {
+        let mut i = above.clone();
+        i.depth += 1;
+        if let Some(t) = &object.texture {
+            i.texture = Some((t.clone(), i.to_world));
+        }
+        if let Some(t) = &object.interior_texture {
+            i.interior_texture = Some((t.clone(), i.to_world));
+        }
+        let f = &object.flags;
+        for (value, bit) in [
+            (f.no_shadow, prim_flags::NO_SHADOW),
+            (f.no_image, prim_flags::NO_IMAGE),
+            (f.no_reflection, prim_flags::NO_REFLECTION),
+            (f.no_radiosity, prim_flags::NO_RADIOSITY),
+            (f.double_illuminate, prim_flags::DOUBLE_ILLUMINATE),
+            (f.uv_mapping, prim_flags::UV_MAPPING),
+            (f.cutaway_textures, prim_flags::CUTAWAY),
+        ] {
+            match value {
+                Some(true) => i.flags |= bit,
+                Some(false) => i.flags &= !bit,
+                None => {}
+            }
+        }
+        i.hollow = f.hollow.or(i.hollow);
+        if role == Role::Visible {
+            if let Some(interior) = &object.interior {
+                i.interior_ix = self.interior(interior, i.hollow == Some(true), &i.to_world);
+            }
+        }
+        i
+    }
+
+    fn interior(&mut self, interior: &scene::Interior, hollow: bool, to_world: &Transform) -> u32 {
+        let media = interior.media.iter().map(|m| self.medium(m, to_world)).collect();
+        self.interiors.push(Interior {
+            ior: interior.ior,
+            dispersion: interior.dispersion,
+            dispersion_samples: interior.dispersion_samples,
+            caustics: interior.caustics,
+            fade_color: interior.fade_color,
+            fade_distance: interior.fade_distance,
+            fade_power: interior.fade_power,
+            old_refraction: interior.old_refraction,
+            media,
+            hollow,
+        });
+        self.interiors.len() as u32 - 1
+    }
+
+    /// Adds a medium whose densities stand in a space that `to_world` maps to the world.
+    pub fn medium(&mut self, medium: &scene::Media, to_world: &Transform) -> u32 {
+        let densities = medium.densities.iter().map(|d| self.textures.pigment(d)).collect();
+        let mut params = medium.clone();
+        params.densities.clear();
+        self.media.push(Media { params, densities, transform_ix: self.transforms.add(to_world) });
+        self.media.len() as u32 - 1
+    }
+
+    /// Compiles one object as a whole; `entered` is what [`Flattener::enter`] gave for it.
+    fn record(&mut self, object: &Object, entered: &Inherited, role: Role) -> Result<u32, CompileError> {
+        let mut entered = entered.clone();
+        if entered.interior_ix == NONE && role == Role::Visible {
+            entered.interior_ix = self.interior(&scene::Interior::default(), entered.hollow == Some(true), &Transform::IDENTITY);
+        }
+        if role == Role::Hidden {
+            entered.flags |= prim_flags::HIDDEN;
+        }
+        self.nodes.clear();
+        let first = self.geometry.prims.len() as u32;
+        let object_ix = self.geometry.objects.len() as u32;
+        let root = self.node(object, &entered, false, false)?;
+        let mut record = ObjectRecord {
+            prims: first..self.geometry.prims.len() as u32,
+            inside: InsideProgram::default(),
+            bounds: Bounds::EMPTY,
+            interior_ix: if role == Role::Visible { entered.interior_ix } else { NONE },
+            visible: role == Role::Visible,
+            solid: false,
+        };
+        if let Some(root) = root {
+            record.solid = self.nodes[root].solid;
+            let mut steps = Vec::new();
+            self.writer().require(root, true, &mut steps);
+            record.inside = self.add_program(&steps)?;
+            self.assign(root, &[], InsideProgram::default(), Bounds::UNBOUNDED)?;
+            let leaves = first as usize..self.geometry.prims.len();
+            let hit = leaves.filter(|k| self.geometry.prims[*k].flags & prim_flags::INSIDE_ONLY == 0);
+            record.bounds = hit.fold(Bounds::EMPTY, |b, k| {
+                let leaf = self.geometry.bounds[k];
+                if leaf.is_empty() { b } else { b.union(leaf) }
+            });
+        }
+        self.geometry.objects.push(record);
+        for (light, above) in std::mem::take(&mut self.pending_lights) {
+            self.light(&light, &above)?;
+        }
+        Ok(object_ix)
+    }
+
+    fn writer(&mut self) -> ProgramWriter<'_> {
+        ProgramWriter { nodes: &self.nodes, boxes: &mut self.geometry.clip_boxes }
+    }
+
+    fn add_program(&mut self, steps: &[super::geometry::InsideStep]) -> Result<InsideProgram, CompileError> {
+        let depth = stack_depth(steps);
+        if depth > InsideProgram::MAX_DEPTH {
+            return Err(CompileError::TooDeep { depth, limit: InsideProgram::MAX_DEPTH });
+        }
+        let start = self.geometry.clip_steps.len();
+        if start + steps.len() > MAX_STEPS {
+            let count = (start + steps.len()) as u64;
+            return Err(CompileError::TooMany { what: "steps of CSG programs", count, limit: MAX_STEPS as u64 });
+        }
+        self.geometry.clip_steps.extend_from_slice(steps);
+        Ok(InsideProgram { start: start as u32, len: steps.len() as u32 })
+    }
+
+    /// Adds the node of `object` and all below it. `None`: nothing there.
+    fn node(&mut self, object: &Object, entered: &Inherited, inverted: bool, in_csg: bool) -> Result<Option<usize>, CompileError> {
+        if entered.depth > MAX_NESTING {
+            return Err(CompileError::TooDeep { depth: entered.depth, limit: MAX_NESTING });
+        }
+        let first = self.geometry.prims.len() as u32;
+        let inverted = inverted ^ object.flags.inverse;
+        let mut inside = entered.descend(object);
+        let built = match &object.shape {
+            Shape::Csg { op, children } => {
+                let mut list = Vec::with_capacity(children.len());
+                let mut n_solids = 0;
+                for c in children {
+                    if let Shape::Light(l) = &c.shape {
+                        let below = self.enter(c, &inside, Role::Hidden).descend(c);
+                        self.pending_lights.push(((**l).clone(), below));
+                        continue;
+                    }
+                    let subtracted = *op == Csg::Difference && n_solids > 0;
+                    n_solids += 1;
+                    let below = self.enter_child(c, &inside);
+                    list.extend(self.node(c, &below, inverted ^ subtracted, true)?);
+                }
+                let all = matches!(op, Csg::Intersection | Csg::Difference);
+                self.join(list, all != inverted, *op == Csg::Merge || inverted)
+            }
+            Shape::LightGroup { children, lights, global_lights } => {
+                self.enter_light_group(&mut inside, *global_lights);
+                self.pending_lights.extend(lights.iter().map(|l| (l.clone(), inside.clone())));
+                let mut list = Vec::with_capacity(children.len());
+                for c in children {
+                    let below = self.enter_child(c, &inside);
+                    list.extend(self.node(c, &below, inverted, true)?);
+                }
+                self.join(list, inverted, inverted)
+            }
+            Shape::Group { child } => {
+                let below = self.enter_child(child, &inside);
+                let child = self.node(child, &below, inverted, in_csg)?;
+                self.join(child.into_iter().collect(), false, false)
+            }
+            Shape::Light(light) => {
+                self.pending_lights.push(((**light).clone(), inside));
+                None
+            }
+            _ => self.leaf(object, &inside, inverted, in_csg)?,
+        };
+        let Some(mut node) = built else { return Ok(None) };
+        let clip_space = Inherited {
+            flags: prim_flags::HIDDEN | prim_flags::INSIDE_ONLY,
+            to_world: entered.to_world,
+            depth: entered.depth,
+            ..Inherited::top()
+        };
+        for c in &object.clipped_by {
+            let below = self.enter(c, &clip_space, Role::Hidden);
+            if let Some(c) = self.node(c, &below, false, true)? {
+                node.clips.push(c);
+                let clip = &self.nodes[c];
+                node.bounds = node.bounds.intersection(clip.bounds);
+                node.surface_bounds = node.surface_bounds.intersection(clip.bounds);
+                node.cobounds = node.cobounds.union(clip.cobounds);
+            }
+        }
+        if !object.bounded_by.is_empty() {
+            self.apply_bounds(object, &clip_space, &mut node)?;
+        }
+        node.prims = first..self.geometry.prims.len() as u32;
+        self.nodes.push(node);
+        Ok(Some(self.nodes.len() - 1))
+    }
+
+    fn enter_child(&mut self, child: &Object, above: &Inherited) -> Inherited {
+        let role = if above.flags & prim_flags::HIDDEN != 0 { Role::Hidden } else { Role::Visible };
+        self.enter(child, above, role)
+    }
+
+    /// `bounded_by`: a ray that misses the bounds' box misses the object. Only the box counts; alone or in pairs, simple finite objects lose
+    /// it altogether, as in POV-Ray.
+    fn apply_bounds(&mut self, object: &Object, space: &Inherited, node: &mut Node) -> Result<(), CompileError> {
+        let composite = matches!(object.shape, Shape::Csg { .. } | Shape::Poly { .. } | Shape::Text { .. });
+        if !composite && !node.surface_bounds.is_unbounded() && self.n_top_level < 3 {
+            return Ok(());
+        }
+        for b in &object.bounded_by {
+            let below = self.enter(b, space, Role::Hidden);
+            if let Some(b) = self.node(b, &below, false, true)? {
+                node.surface_bounds = node.surface_bounds.intersection(self.nodes[b].bounds);
+            }
+        }
+        Ok(())
+    }
+
+    /// A node over children: `all` for intersections, else a union whose inner surfaces go when `merge`.
+    fn join(&self, list: Vec<usize>, all: bool, merge: bool) -> Option<Node> {
+        if list.is_empty() {
+            return None;
+        }
+        let fold = |start: Bounds, f: fn(Bounds, Bounds) -> Bounds, of: fn(&Node) -> Bounds| {
+            list.iter().fold(start, |b, c| f(b, of(&self.nodes[*c])))
+        };
+        let (bounds, cobounds) = if all {
+            (fold(Bounds::UNBOUNDED, Bounds::intersection, |n| n.bounds), fold(Bounds::EMPTY, Bounds::union, |n| n.cobounds))
+        } else {
+            (fold(Bounds::EMPTY, Bounds::union, |n| n.bounds), fold(Bounds::UNBOUNDED, Bounds::intersection, |n| n.cobounds))
+        };
+        let surface_bounds = fold(Bounds::EMPTY, Bounds::union, |n| n.surface_bounds);
+        let solid = list.iter().all(|c| self.nodes[*c].solid);
+        let kind = match (all, merge) {
+            (true, _) => NodeKind::All(list),
+            (false, true) => NodeKind::Merge(list),
+            (false, false) => NodeKind::Any(list),
+        };
+        Some(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid })
+    }
+
+    fn leaf(&mut self, object: &Object, inside: &Inherited, inverted: bool, in_csg: bool) -> Result<Option<Node>, CompileError> {
+        if self.geometry.prims.len() >= MAX_PRIMS {
+            return Err(CompileError::TooMany { what: "primitives", count: MAX_PRIMS as u64 + 1, limit: MAX_PRIMS as u64 });
+        }
+        let leaf = match add_leaf(object, &inside.to_world, &mut self.geometry.shapes, &mut self.transforms) {
+            Ok(leaf) => leaf,
+            Err(NoLeaf::Nothing) => return Ok(None),
+            Err(NoLeaf::Unsupported(name)) => {
+                let text = format!("{name} objects are not rendered yet; they are left out");
+                self.sink.note_once(&format!("shape-{name}"), object.span, text);
+                return Ok(None);
+            }
+        };
+        let mut flags = inside.flags;
+        flags |= if inverted { prim_flags::INVERTED } else { 0 };
+        flags |= if in_csg { prim_flags::CSG_CHILD } else { 0 };
+        let surface_ix = self.surface(inside, &mut flags);
+        if let Some(i) = self.interiors.get_mut(inside.interior_ix as usize) {
+            i.hollow = inside.hollow == Some(true);
+        }
+        let prim_ix = self.geometry.prims.len() as u32;
+        self.geometry.prims.push(Prim {
+            kind: leaf.kind,
+            shape_ix: leaf.shape_ix,
+            transform_ix: self.transforms.add(&leaf.transform),
+            surface_ix,
+            interior_ix: inside.interior_ix,
+            object_ix: self.geometry.objects.len() as u32,
+            clip_start: 0,
+            clip_len: 0,
+            flags,
+            group_ix: inside.group_ix,
+        });
+        self.geometry.bounds.push(leaf.surface_bounds);
+        let (bounds, cobounds) =
+            if inverted { (Bounds::UNBOUNDED, leaf.inside_bounds) } else { (leaf.inside_bounds, Bounds::UNBOUNDED) };
+        let kind = NodeKind::Leaf(prim_ix);
+        let surface_bounds = leaf.surface_bounds;
+        Ok(Some(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid: leaf.solid }))
+    }
+
+    /// The cover that a leaf gets; sets `TRANSPARENT`.
+    fn surface(&mut self, inside: &Inherited, flags: &mut u32) -> u32 {
+        if *flags & prim_flags::INSIDE_ONLY != 0 {
+            return self.surfaces.add(Surface { texture: NONE, interior_texture: NONE, transform_ix: 0 });
+        }
+        let cutaway = *flags & prim_flags::CUTAWAY != 0;
+        let (texture, space) = match &inside.texture {
+            Some((t, space)) => (self.textures.texture(t), *space),
+            None if cutaway => (NONE, Transform::IDENTITY),
+            None => (self.textures.texture(&self.default_texture.clone()), Transform::IDENTITY),
+        };
+        let interior_texture = match &inside.interior_texture {
+            Some((t, own)) if own.forward == space.forward => self.textures.texture(t),
+            Some((t, own)) => {
+                let mut moved = t.clone();
+                Arc::make_mut(&mut moved).transform(&own.then(&space.inverted()));
+                self.textures.texture(&moved)
+            }
+            None => NONE,
+        };
+        if cutaway && texture == NONE || [texture, interior_texture].iter().any(|t| *t != NONE && self.textures.is_transparent(*t)) {
+            *flags |= prim_flags::TRANSPARENT;
+        }
+        // A cover on (u, v) does not move with its object.
+        let transform_ix = if *flags & prim_flags::UV_MAPPING != 0 { 0 } else { self.transforms.add(&space) };
+        self.surfaces.add(Surface { texture, interior_texture, transform_ix })
+    }
+
+    /// Gives the leaves below `node` their clip programs and bounds. `program` is `steps` as already added.
+    fn assign(
+        &mut self,
+        node: usize,
+        steps: &[super::geometry::InsideStep],
+        program: InsideProgram,
+        cut: Bounds,
+    ) -> Result<(), CompileError> {
+        let n = self.nodes[node].clone();
+        let cut = cut.intersection(n.surface_bounds);
+        let mut own = Vec::new();
+        self.writer().conditions(node, &mut own);
+        let (mut steps, mut program) = (steps, program);
+        if !own.is_empty() {
+            own.extend_from_slice(steps);
+            program = self.add_program(&own)?;
+            steps = &own;
+        }
+        let list = match &n.kind {
+            NodeKind::Leaf(p) => {
+                let prim = &mut self.geometry.prims[*p as usize];
+                (prim.clip_start, prim.clip_len) = (program.start, program.len);
+                self.geometry.bounds[*p as usize] = cut;
+                return Ok(());
+            }
+            NodeKind::All(list) | NodeKind::Any(list) | NodeKind::Merge(list) => list,
+        };
+        let is_all = matches!(n.kind, NodeKind::All(_));
+        // Boxes of all children but one, from both ends, so that many children stay cheap.
+        let after: Vec<Bounds> = list.iter().rev().scan(Bounds::UNBOUNDED, |b, c| {
+            let now = *b;
+            *b = b.intersection(self.nodes[*c].bounds);
+            Some(now)
+        }).collect();
+        let mut before = cut;
+        for (k, c) in list.iter().enumerate() {
+            let child_cut = if is_all { before.intersection(after[list.len() - 1 - k]) } else { cut };
+            self.assign(*c, steps, program, child_cut)?;
+            before = before.intersection(self.nodes[*c].bounds);
+        }
+        Ok(())
+    }
+}
+
+impl Inherited {
+    fn top() -> Self {
+        Self {
+            to_world: Transform::IDENTITY,
+            texture: None,
+            interior_texture: None,
+            interior_ix: NONE,
+            hollow: None,
+            flags: 0,
+            group_ix: NONE,
+            depth: 0,
+        }
+    }
+
+    /// The same for what stands inside `object`'s shape.
+    fn descend(&self, object: &Object) -> Self {
+        Self { to_world: object.transform.then(&self.to_world), ..self.clone() }
+    }
+}

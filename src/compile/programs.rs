@@ -1,0 +1,146 @@
+//! Clip and inside programs: CSG as lists of steps that `kernel/inside` runs. See `geometry::InsideStep`.
+
+use super::geometry::InsideStep;
+use crate::math::Bounds;
+use std::ops::Range;
+
+/// What a node of an object's tree does once inversions are pushed down to the leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum NodeKind {
+    /// A primitive.
+    Leaf(u32),
+    /// Inside all children.
+    All(Vec<usize>),
+    /// Inside any child; surfaces stay.
+    Any(Vec<usize>),
+    /// Inside any child; surfaces inside other children go.
+    Merge(Vec<usize>),
+}
+
+/// A node of one top-level object's tree.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub kind: NodeKind,
+    /// All of these must hold too.
+    pub clips: Vec<usize>,
+    /// Holds the points inside.
+    pub bounds: Bounds,
+    /// Holds the points outside.
+    pub cobounds: Bounds,
+    /// Holds the surface.
+    pub surface_bounds: Bounds,
+    /// Primitives below, those of clip objects included.
+    pub prims: Range<u32>,
+    /// Something in it has an inside.
+    pub solid: bool,
+}
+
+/// Writes steps for the nodes of one object.
+pub(super) struct ProgramWriter<'a> {
+    pub nodes: &'a [Node],
+    pub boxes: &'a mut Vec<Bounds>,
+}
+
+impl ProgramWriter<'_> {
+    /// Steps that make the program false unless "inside `node`" is `want`.
+    pub fn require(&mut self, node: usize, want: bool, out: &mut Vec<InsideStep>) {
+        let nodes = self.nodes;
+        let n = &nodes[node];
+        match (&n.kind, want) {
+            (NodeKind::Leaf(p), true) => {
+                out.push(InsideStep::RequireIn(*p));
+                n.clips.iter().for_each(|c| self.require(*c, true, out));
+            }
+            (NodeKind::Leaf(p), false) if n.clips.is_empty() => out.push(InsideStep::RequireOut(*p)),
+            (NodeKind::All(children), true) => self.guarded(&n.cobounds, children.len(), out, |w, out| {
+                children.iter().chain(&n.clips).for_each(|c| w.require(*c, true, out));
+            }),
+            (NodeKind::Any(children) | NodeKind::Merge(children), false) if n.clips.is_empty() => {
+                self.guarded(&n.bounds, children.len(), out, |w, out| children.iter().for_each(|c| w.require(*c, false, out)));
+            }
+            _ => {
+                let holds = if want { &n.cobounds } else { &n.bounds };
+                self.guarded(holds, 2, out, |w, out| {
+                    w.value(node, out);
+                    if !want {
+                        out.push(InsideStep::Not);
+                    }
+                    out.push(InsideStep::Require);
+                });
+            }
+        }
+    }
+
+    /// Steps that push "inside `node`".
+    pub fn value(&mut self, node: usize, out: &mut Vec<InsideStep>) {
+        let nodes = self.nodes;
+        let n = &nodes[node];
+        let join = |w: &mut Self, list: &[usize], step: InsideStep, out: &mut Vec<InsideStep>| {
+            for (k, c) in list.iter().enumerate() {
+                w.value(*c, out);
+                if k > 0 {
+                    out.push(step);
+                }
+            }
+        };
+        match &n.kind {
+            NodeKind::Leaf(p) => out.push(InsideStep::Prim(*p)),
+            NodeKind::All(c) => join(self, c, InsideStep::And, out),
+            NodeKind::Any(c) | NodeKind::Merge(c) => join(self, c, InsideStep::Or, out),
+        }
+        for c in &n.clips {
+            self.value(*c, out);
+            out.push(InsideStep::And);
+        }
+    }
+
+    /// What a hit on something below `node` must satisfy because of `node` itself.
+    pub fn conditions(&mut self, node: usize, out: &mut Vec<InsideStep>) {
+        let nodes = self.nodes;
+        let n = &nodes[node];
+        let (children, want) = match &n.kind {
+            NodeKind::All(c) => (c.as_slice(), true),
+            NodeKind::Merge(c) => (c.as_slice(), false),
+            _ => (&[][..], true),
+        };
+        if children.len() > 1 {
+            for c in children {
+                let p = &nodes[*c].prims;
+                let at = out.len();
+                out.push(InsideStep::Not); // replaced below
+                self.require(*c, want, out);
+                out[at] = InsideStep::SkipOwn { first: p.start, count: p.end - p.start, skip: (out.len() - at - 1) as u32 };
+            }
+        }
+        n.clips.iter().for_each(|c| self.require(*c, true, out));
+    }
+
+    /// Puts a box test before steps that cannot fail outside `holds`, where that is finite and worth it.
+    fn guarded(&mut self, holds: &Bounds, n_parts: usize, out: &mut Vec<InsideStep>, f: impl FnOnce(&mut Self, &mut Vec<InsideStep>)) {
+        let at = out.len();
+        let guard = n_parts > 1 && !holds.is_unbounded();
+        if guard {
+            out.push(InsideStep::Not); // replaced below
+        }
+        f(self, out);
+        if guard {
+            let box_ix = self.boxes.len() as u32;
+            self.boxes.push(*holds);
+            out[at] = InsideStep::SkipOutside { box_ix, skip: (out.len() - at - 1) as u32 };
+        }
+    }
+}
+
+/// Deepest stack that `steps` need.
+pub(super) fn stack_depth(steps: &[InsideStep]) -> usize {
+    let (mut now, mut deepest) = (0usize, 0);
+    for s in steps {
+        match s {
+            InsideStep::Prim(_) => now += 1,
+            InsideStep::And | InsideStep::Or | InsideStep::Require => now -= 1,
+            _ => {}
+        }
+        deepest = deepest.max(now);
+    }
+    deepest
+}

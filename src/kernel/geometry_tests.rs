@@ -1,0 +1,137 @@
+//! Geometry as a whole: scenes of a few objects, compiled and hit, with answers known beforehand.
+
+use super::inside::{containing_interiors, inside_object};
+use super::traverse::{MIN_DEPTH, ShadowHit, intersect, intersect_shadow};
+use crate::compile::{CompileOptions, CompiledScene, compile_scene};
+use crate::diag::Sink;
+use crate::math::{DVec3, Ray, Rgbft, Transform};
+use crate::scene::{Csg, Object, Scene, Shape, Texture};
+use std::sync::Arc;
+
+pub(super) fn compiled(objects: Vec<Object>) -> CompiledScene {
+    let scene = Scene { objects, ..Scene::default() };
+    compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("a scene that compiles")
+}
+
+pub(super) fn sphere(center: DVec3, radius: f64) -> Object {
+    Object::new(Shape::Sphere { center, radius })
+}
+
+fn cube(min: f64, max: f64) -> Object {
+    Object::new(Shape::Box { min: DVec3::splat(min), max: DVec3::splat(max) })
+}
+
+fn csg(op: Csg, children: Vec<Object>) -> Object {
+    Object::new(Shape::Csg { op, children })
+}
+
+/// All depths along a ray, by starting again behind each hit.
+pub(super) fn depths(scene: &CompiledScene, origin: DVec3, dir: DVec3) -> Vec<f64> {
+    let ray = Ray::new(origin, dir.normalize());
+    let (mut out, mut from) = (Vec::new(), MIN_DEPTH);
+    while let Some(h) = intersect(scene, &ray, from, f64::INFINITY, 0) {
+        out.push((h.t * 1e9).round() / 1e9);
+        from = h.t + 1e-4;
+    }
+    out
+}
+
+const FROM: DVec3 = DVec3::new(0.0, 0.0, -10.0);
+
+#[test]
+fn difference_shows_the_carved_surface_with_its_normal_turned() {
+    let scene = compiled(vec![csg(Csg::Difference, vec![cube(-2.0, 2.0), sphere(DVec3::new(0.0, 0.0, -2.0), 1.0)])]);
+    assert_eq!(depths(&scene, FROM, DVec3::Z), [9.0, 12.0]);
+    let h = intersect(&scene, &Ray::new(FROM, DVec3::Z), MIN_DEPTH, 1e7, 0).expect("a hit");
+    assert!((h.normal - -DVec3::Z).length() < 1e-12, "the sphere's far side, turned: {}", h.normal);
+    assert!(!inside_object(&scene, 0, DVec3::new(0.0, 0.0, -1.5)));
+    assert!(inside_object(&scene, 0, DVec3::ZERO));
+}
+
+#[test]
+fn inverse_csg_follows_de_morgan() {
+    let pair = || vec![sphere(DVec3::ZERO, 1.0), sphere(DVec3::X, 1.0)];
+    for op in [Csg::Union, Csg::Intersection, Csg::Difference, Csg::Merge] {
+        let mut inverse = csg(op, pair());
+        inverse.flags.inverse = true;
+        let mut plain = csg(op, pair());
+        plain.flags.split_union = Some(false);
+        let scene = compiled(vec![plain, inverse]);
+        for k in 0..200 {
+            let p = DVec3::new((k % 7) as f64 * 0.6 - 1.5, (k % 5) as f64 * 0.5 - 1.1, (k % 11) as f64 * 0.2 - 1.0);
+            assert_ne!(inside_object(&scene, 0, p), inside_object(&scene, 1, p), "{op:?} at {p}");
+        }
+    }
+}
+
+#[test]
+fn inverse_intersection_subtracted_leaves_no_inner_surfaces() {
+    let tool = csg(Csg::Intersection, vec![sphere(DVec3::ZERO, 1.0), sphere(DVec3::new(0.0, 0.0, 1.0), 1.0)]);
+    let scene = compiled(vec![csg(Csg::Difference, vec![cube(-3.0, 3.0), tool])]);
+    assert_eq!(depths(&scene, FROM, DVec3::Z), [7.0, 10.0, 11.0, 13.0]);
+}
+
+#[test]
+fn merge_keeps_outer_surfaces_only_and_union_keeps_all() {
+    let pair = || vec![sphere(DVec3::ZERO, 1.0), sphere(DVec3::new(0.0, 0.0, 1.0), 1.0)];
+    assert_eq!(depths(&compiled(vec![csg(Csg::Merge, pair())]), FROM, DVec3::Z), [9.0, 12.0]);
+    assert_eq!(depths(&compiled(vec![csg(Csg::Union, pair())]), FROM, DVec3::Z), [9.0, 10.0, 11.0, 12.0]);
+}
+
+#[test]
+fn clipped_by_makes_holes_without_caps() {
+    let mut o = sphere(DVec3::ZERO, 1.0);
+    o.clipped_by.push(Object::new(Shape::Plane { normal: -DVec3::Z, distance: 0.0 }));
+    let scene = compiled(vec![o]);
+    assert_eq!(depths(&scene, FROM, DVec3::Z), [11.0]);
+    assert!(!inside_object(&scene, 0, DVec3::new(0.0, 0.0, -0.5)) && inside_object(&scene, 0, DVec3::new(0.0, 0.0, 0.5)));
+}
+
+#[test]
+fn nested_transforms_reach_leaves_clips_and_bounds() {
+    let mut ball = sphere(DVec3::ZERO, 1.0);
+    ball.apply_transform(&Transform::scaling(DVec3::new(1.0, 1.0, 2.0)));
+    let mut group = Object::new(Shape::Group { child: Arc::new(csg(Csg::Difference, vec![cube(-4.0, 4.0), ball])) });
+    group.apply_transform(&Transform::rotation_deg(DVec3::new(0.0, 90.0, 0.0)));
+    group.apply_transform(&Transform::translation(DVec3::new(0.0, 0.0, 20.0)));
+    let scene = compiled(vec![group]);
+    // The ellipsoid's long axis has turned to x.
+    assert_eq!(depths(&scene, FROM, DVec3::Z), [26.0, 29.0, 31.0, 34.0]);
+    assert_eq!(depths(&scene, DVec3::new(-10.0, 0.0, 20.0), DVec3::X), [6.0, 8.0, 12.0, 14.0]);
+}
+
+#[test]
+fn shadow_rays_stop_at_opaque_things_and_report_the_nearest_clear_one() {
+    let mut glass = sphere(DVec3::ZERO, 1.0);
+    glass.texture = Some(Arc::new(Texture::solid(Rgbft { filter: 0.5, ..Rgbft::rgb(1.0, 1.0, 1.0) })));
+    let ray = Ray::new(FROM, DVec3::Z);
+    let scene = compiled(vec![glass.clone(), sphere(DVec3::new(0.0, 0.0, 5.0), 1.0)]);
+    assert!(matches!(intersect_shadow(&scene, &ray, 1e-3, 100.0, u32::MAX), ShadowHit::Opaque { prim_ix: 1 }));
+    match intersect_shadow(&scene, &ray, 1e-3, 13.0, 1) {
+        ShadowHit::Transparent(h) => assert!((h.t - 9.0).abs() < 1e-12),
+        other => panic!("{other:?}"),
+    }
+    let mut unseen = sphere(DVec3::new(0.0, 0.0, 5.0), 1.0);
+    unseen.flags.no_shadow = Some(true);
+    assert!(matches!(intersect_shadow(&compiled(vec![unseen]), &ray, 1e-3, 100.0, 0), ShadowHit::None));
+}
+
+#[test]
+fn interiors_of_containing_objects_are_listed_in_order_of_the_file() {
+    let scene = compiled(vec![sphere(DVec3::ZERO, 3.0), cube(4.0, 5.0), Object::new(Shape::Plane { normal: DVec3::Y, distance: 1.0 })]);
+    let mut list = Vec::new();
+    containing_interiors(&scene, DVec3::ZERO, &mut list);
+    assert_eq!(list, [scene.geometry.objects[0].interior_ix, scene.geometry.objects[2].interior_ix]);
+}
+
+#[test]
+fn torus_cylinder_and_cone_are_hit_where_formulas_say() {
+    let torus = compiled(vec![Object::new(Shape::Torus { major: 2.0, minor: 0.5 })]);
+    assert_eq!(depths(&torus, DVec3::new(-10.0, 0.0, 0.0), DVec3::X), [7.5, 8.5, 11.5, 12.5]);
+    let cylinder = compiled(vec![Object::new(Shape::Cylinder { a: DVec3::ZERO, b: DVec3::new(0.0, 0.0, 4.0), radius: 0.5, open: false })]);
+    assert_eq!(depths(&cylinder, FROM, DVec3::Z), [10.0, 14.0]);
+    assert_eq!(depths(&cylinder, DVec3::new(0.0, -3.0, 1.0), DVec3::Y), [2.5, 3.5]);
+    let cone = Object::new(Shape::Cone { a: DVec3::ZERO, radius_a: 1.0, b: DVec3::new(0.0, 2.0, 0.0), radius_b: 0.0, open: true });
+    let cone = compiled(vec![cone]);
+    assert_eq!(depths(&cone, DVec3::new(0.0, 1.0, -10.0), DVec3::Z), [9.5, 10.5]);
+}

@@ -1,0 +1,83 @@
+//! Whether points are inside primitives and objects: runs the programs that the compile step wrote.
+
+use super::intersect::inside_shape;
+use crate::compile::CompiledScene;
+use crate::compile::geometry::{Geometry, InsideProgram, InsideStep, prim_flags};
+use crate::math::DVec3;
+
+/// Whether world point `p` is inside primitive `prim_ix`, its inversion applied, its clip program not.
+#[inline]
+pub fn inside_prim(g: &Geometry, prim_ix: u32, p: DVec3) -> bool {
+    let prim = &g.prims[prim_ix as usize];
+    let local = if prim.transform_ix == 0 { p } else { g.transforms[prim.transform_ix as usize].inverse_point(p) };
+    inside_shape(g, prim, local, prim.flags & prim_flags::INVERTED != 0)
+}
+
+/// Runs a program for a hit on primitive `own` (`u32::MAX` for none) at world point `p`.
+pub fn run_program(g: &Geometry, program: InsideProgram, own: u32, p: DVec3) -> bool {
+    let steps = &g.clip_steps[program.start as usize..(program.start + program.len) as usize];
+    let (mut stack, mut depth, mut k) = (0u64, 0u32, 0usize);
+    while let Some(step) = steps.get(k) {
+        k += 1;
+        match *step {
+            InsideStep::RequireIn(ix) => {
+                if !inside_prim(g, ix, p) {
+                    return false;
+                }
+            }
+            InsideStep::RequireOut(ix) => {
+                if inside_prim(g, ix, p) {
+                    return false;
+                }
+            }
+            InsideStep::SkipOwn { first, count, skip } => {
+                if own.wrapping_sub(first) < count {
+                    k += skip as usize;
+                }
+            }
+            InsideStep::SkipOutside { box_ix, skip } => {
+                let b = &g.clip_boxes[box_ix as usize];
+                if !(p.cmpge(b.min).all() && p.cmple(b.max).all()) {
+                    k += skip as usize;
+                }
+            }
+            InsideStep::Prim(ix) => {
+                stack = stack << 1 | u64::from(inside_prim(g, ix, p));
+                depth += 1;
+            }
+            InsideStep::Not => stack ^= 1,
+            InsideStep::And => {
+                stack = (stack >> 1) & (stack | !1);
+                depth -= 1;
+            }
+            InsideStep::Or => {
+                stack = (stack >> 1) | (stack & 1);
+                depth -= 1;
+            }
+            InsideStep::Require => {
+                if stack & 1 == 0 {
+                    return false;
+                }
+                stack >>= 1;
+                depth -= 1;
+            }
+        }
+    }
+    depth == 0 || stack & 1 == 1
+}
+
+/// Whether world point `p` is inside object `object_ix` of `Geometry::objects` as a whole.
+pub fn inside_object(scene: &CompiledScene, object_ix: u32, p: DVec3) -> bool {
+    let program = scene.geometry.objects[object_ix as usize].inside;
+    program.len > 0 && run_program(&scene.geometry, program, u32::MAX, p)
+}
+
+/// Fills `out` with the interiors of all visible objects that contain `p`, in the order of the file. Source: spec/light.md, section 1.
+pub fn containing_interiors(scene: &CompiledScene, p: DVec3, out: &mut Vec<u32>) {
+    out.clear();
+    for (k, o) in scene.geometry.objects.iter().enumerate() {
+        if o.visible && o.solid && inside_object(scene, k as u32, p) {
+            out.push(o.interior_ix);
+        }
+    }
+}

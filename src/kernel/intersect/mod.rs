@@ -1,0 +1,142 @@
+//! Rays against shapes in their own space: one file a family. Each shape pushes its hits; what becomes of them (nearest, any,
+//! clip programs) is the sink's business (`kernel/traverse`). Twins: `shaders/shared/intersect_*.wesl`.
+//! Source: spec/objects.md; tolerances are POV-Ray's and decide pixels.
+
+pub mod quadrics;
+pub mod simple;
+pub mod torus;
+pub mod triangle;
+
+use crate::compile::geometry::{Geometry, Prim, PrimKind};
+use crate::math::{DVec2, DVec3};
+
+/// Where on a shape a hit lies, kept until the normal is wanted. What the numbers mean is the shape's business.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Part {
+    /// Face, side or segment.
+    pub face: u32,
+    /// Place on it.
+    pub a: f64,
+    /// Place on it.
+    pub b: f64,
+}
+
+impl Part {
+    /// A numbered side.
+    pub fn side(face: u32) -> Self {
+        Self { face, a: 0.0, b: 0.0 }
+    }
+}
+
+/// Takes the hits of a shape.
+pub trait HitSink {
+    /// A hit at depth `t` of the local ray.
+    fn push(&mut self, t: f64, part: Part);
+    /// Local depth beyond which hits are of no use; may shrink with every push.
+    fn far(&self) -> f64;
+}
+
+/// A ray in a shape's space; `dir` is unit.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalRay {
+    /// Start.
+    pub origin: DVec3,
+    /// Unit.
+    pub dir: DVec3,
+}
+
+impl LocalRay {
+    /// The point at depth `t`.
+    #[inline]
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.dir
+    }
+}
+
+/// Pushes all hits of the shape of `prim` that it reports.
+#[inline]
+pub fn intersect_shape(g: &Geometry, prim: &Prim, ray: &LocalRay, sink: &mut impl HitSink) {
+    let ix = prim.shape_ix as usize;
+    let s = &g.shapes;
+    match prim.kind {
+        PrimKind::Sphere => simple::intersect_sphere(&s.spheres[ix], ray, sink),
+        PrimKind::Box => simple::intersect_box(&s.boxes[ix], ray, sink),
+        PrimKind::Plane => simple::intersect_plane(&s.planes[ix], ray, sink),
+        PrimKind::Disc => simple::intersect_disc(&s.discs[ix], ray, sink),
+        PrimKind::Cylinder => quadrics::intersect_cylinder(&s.cylinders[ix], ray, sink),
+        PrimKind::Cone => quadrics::intersect_cone(&s.cones[ix], ray, sink),
+        PrimKind::Torus => torus::intersect_torus(&s.tori[ix], ray, sink),
+        PrimKind::Triangle => triangle::intersect_triangle(&s.triangles[ix], ray, sink),
+        _ => {}
+    }
+}
+
+/// Whether a point of shape space is inside; `inverted` chooses POV-Ray's rule for points on the surface.
+#[inline]
+pub fn inside_shape(g: &Geometry, prim: &Prim, p: DVec3, inverted: bool) -> bool {
+    let ix = prim.shape_ix as usize;
+    let s = &g.shapes;
+    match prim.kind {
+        PrimKind::Sphere => return simple::inside_sphere(&s.spheres[ix], p, inverted),
+        PrimKind::Plane => return simple::inside_plane(&s.planes[ix], p, inverted),
+        _ => {}
+    }
+    inverted
+        != match prim.kind {
+            PrimKind::Box => simple::inside_box(&s.boxes[ix], p),
+            PrimKind::Disc => p.z < 0.0,
+            PrimKind::Cylinder => quadrics::inside_cylinder(&s.cylinders[ix], p),
+            PrimKind::Cone => quadrics::inside_cone(&s.cones[ix], p),
+            PrimKind::Torus => torus::inside_torus(&s.tori[ix], p),
+            _ => false,
+        }
+}
+
+/// The normal of a hit in shape space, not unit, not inverted.
+pub fn shape_normal(g: &Geometry, prim: &Prim, p: DVec3, part: &Part) -> DVec3 {
+    let ix = prim.shape_ix as usize;
+    let s = &g.shapes;
+    match prim.kind {
+        PrimKind::Sphere => (p - s.spheres[ix].center) / s.spheres[ix].radius,
+        PrimKind::Box => simple::box_normal(part.face),
+        PrimKind::Plane => s.planes[ix].normal,
+        PrimKind::Disc => DVec3::Z,
+        PrimKind::Cylinder => quadrics::cylinder_normal(p, part.face),
+        PrimKind::Cone => quadrics::cone_normal(p, part.face),
+        PrimKind::Torus => torus::torus_normal(&s.tori[ix], p),
+        PrimKind::Triangle => triangle::triangle_normal(&s.triangles[ix], part),
+        _ => DVec3::Y,
+    }
+}
+
+/// Texture coordinates of a hit; shapes without their own give the world point's x and y.
+pub fn shape_uv(g: &Geometry, prim: &Prim, p: DVec3, world: DVec3, part: &Part) -> DVec2 {
+    let ix = prim.shape_ix as usize;
+    let s = &g.shapes;
+    match prim.kind {
+        PrimKind::Sphere => {
+            let sphere = &s.spheres[ix];
+            let t = &g.transforms[sphere.uv_transform_ix as usize];
+            sphere_uv(t.inverse_point(world) - sphere.uv_center)
+        }
+        PrimKind::Box => simple::box_uv(&s.boxes[ix], p, part.face),
+        PrimKind::Torus => torus::torus_uv(&s.tori[ix], p),
+        _ => DVec2::new(world.x, world.y),
+    }
+}
+
+/// u: turns from +x towards +z; v: 0 at the south pole, 1 at the north pole. `d` need not be unit.
+pub fn sphere_uv(d: DVec3) -> DVec2 {
+    let d = d.normalize_or_zero();
+    DVec2::new(turns_about_y(d.x, d.z), 0.5 + d.y.clamp(-1.0, 1.0).asin() / std::f64::consts::PI)
+}
+
+/// 0..1 from +x towards +z; 0 on the axis.
+pub fn turns_about_y(x: f64, z: f64) -> f64 {
+    let len = (x * x + z * z).sqrt();
+    if len <= crate::math::EPSILON {
+        return 0.0;
+    }
+    let angle = (x / len).clamp(-1.0, 1.0).acos();
+    (if z < 0.0 { std::f64::consts::TAU - angle } else { angle }) / std::f64::consts::TAU
+}

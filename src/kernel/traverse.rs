@@ -1,0 +1,253 @@
+//! Rays against the whole scene: nearest hit, shadow hit, first hit of one object. Clip programs decide which hits stand.
+//!
+//! Ray directions are unit: depths are world lengths.
+
+use super::SurfaceHit;
+use super::inside::run_program;
+use super::intersect::{HitSink, LocalRay, Part, intersect_shape, shape_normal, shape_uv};
+use crate::compile::CompiledScene;
+use crate::compile::geometry::{Geometry, InsideProgram, Prim, prim_flags};
+use crate::math::{DVec2, DVec3, Ray};
+
+/// Smallest depth that any ray but a shadow ray accepts. Source: spec/objects.md, section 0.
+pub const MIN_DEPTH: f64 = 1e-4;
+/// Shadow rays see depths above this, and below the light's distance less this. Source: spec/light.md, section 0.
+pub const SHADOW_TOLERANCE: f64 = 1e-3;
+
+/// What stands between a point and a light.
+#[derive(Clone, Copy, Debug)]
+pub enum ShadowHit {
+    /// Nothing.
+    None,
+    /// Something that lets no light through.
+    Opaque {
+        /// What: try it first for the next ray.
+        prim_ix: u32,
+    },
+    /// No opaque thing anywhere; this is the nearest of those that may let light through.
+    Transparent(SurfaceHit),
+}
+
+/// Nearest hit of `ray` with `t_min <= t < t_max` on primitives without any of `skip_flags` (`prim_flags`).
+pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_flags: u32) -> Option<SurfaceHit> {
+    let g = &scene.geometry;
+    let mut nearest = Nearest::new(g, ray, t_min, t_max);
+    for_candidates(g, ray, |prim_ix, _| {
+        if g.prims[prim_ix as usize].flags & skip_flags == 0 {
+            nearest.test(prim_ix);
+        }
+        Some(nearest.t)
+    });
+    nearest.finish()
+}
+
+/// Nearest hit of `ray` with object `object_ix` (visible or hidden) alone.
+pub fn intersect_object(scene: &CompiledScene, object_ix: u32, ray: &Ray, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
+    let g = &scene.geometry;
+    let object = &g.objects[object_ix as usize];
+    let mut nearest = Nearest::new(g, ray, t_min, t_max);
+    let slabs = Slabs::new(ray);
+    for prim_ix in object.prims.clone() {
+        let b = &g.bounds[prim_ix as usize];
+        if g.prims[prim_ix as usize].flags & prim_flags::INSIDE_ONLY == 0 && (b.is_unbounded() || slabs.hits(b, nearest.t)) {
+            nearest.test(prim_ix);
+        }
+    }
+    nearest.finish()
+}
+
+/// What lies on `ray` with `t_min < t < t_max`: stops at the first opaque hit found anywhere. Primitives without shadow are skipped.
+/// `last` (a primitive or `u32::MAX`) is tried first.
+pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
+    let g = &scene.geometry;
+    let mut nearest = Nearest::new(g, ray, t_min.next_up(), t_max);
+    if (last as usize) < g.prims.len() && blocks(g, last, ray, t_min, t_max) {
+        return ShadowHit::Opaque { prim_ix: last };
+    }
+    let mut opaque = None;
+    for_candidates(g, ray, |prim_ix, _| {
+        let flags = g.prims[prim_ix as usize].flags;
+        if flags & prim_flags::NO_SHADOW != 0 || prim_ix == last {
+            return Some(t_max);
+        }
+        if flags & prim_flags::TRANSPARENT != 0 {
+            nearest.test(prim_ix);
+        } else if blocks(g, prim_ix, ray, t_min, t_max) {
+            opaque = Some(prim_ix);
+            return None;
+        }
+        Some(t_max)
+    });
+    match opaque {
+        Some(prim_ix) => ShadowHit::Opaque { prim_ix },
+        None => nearest.finish().map_or(ShadowHit::None, ShadowHit::Transparent),
+    }
+}
+
+/// Whether opaque primitive `prim_ix` has a standing hit in the open interval.
+fn blocks(g: &Geometry, prim_ix: u32, ray: &Ray, t_min: f64, t_max: f64) -> bool {
+    let prim = &g.prims[prim_ix as usize];
+    if prim.flags & (prim_flags::NO_SHADOW | prim_flags::TRANSPARENT | prim_flags::HIDDEN) != 0 {
+        return false;
+    }
+    let mut any = Nearest::new(g, ray, t_min.next_up(), t_max);
+    any.stop_at_first = true;
+    any.test(prim_ix);
+    any.prim_ix != u32::MAX
+}
+
+/// Calls `visit(prim_ix, t_max)` for primitives whose bounds the ray meets; it gives the depth that still matters, or `None` to stop.
+fn for_candidates(g: &Geometry, ray: &Ray, mut visit: impl FnMut(u32, f64) -> Option<f64>) {
+    let mut t_max = f64::INFINITY;
+    for prim_ix in &g.unbounded {
+        match visit(*prim_ix, t_max) {
+            Some(t) => t_max = t,
+            None => return,
+        }
+    }
+    let slabs = Slabs::new(ray);
+    for prim_ix in &g.bounded {
+        if slabs.hits(&g.bounds[*prim_ix as usize], t_max) {
+            match visit(*prim_ix, t_max) {
+                Some(t) => t_max = t,
+                None => return,
+            }
+        }
+    }
+}
+
+/// A ray made ready for box tests.
+pub struct Slabs {
+    origin: DVec3,
+    inverse: DVec3,
+}
+
+impl Slabs {
+    /// For `ray`.
+    pub fn new(ray: &Ray) -> Self {
+        Self { origin: ray.origin, inverse: ray.dir.recip() }
+    }
+
+    /// Whether the ray meets the box between 0 and `t_max`, both included.
+    #[inline]
+    pub fn hits(&self, b: &crate::math::Bounds, t_max: f64) -> bool {
+        let (a, c) = ((b.min - self.origin) * self.inverse, (b.max - self.origin) * self.inverse);
+        // 0 * infinity is NaN where the ray runs in a face; f64::min and max then take the other side.
+        let near = a.x.min(c.x).max(a.y.min(c.y)).max(a.z.min(c.z)).max(0.0);
+        let far = a.x.max(c.x).min(a.y.max(c.y)).min(a.z.max(c.z)).min(t_max);
+        near <= far * (1.0 + 4.0 * f64::EPSILON)
+    }
+}
+
+/// Keeps the nearest standing hit over the primitives that it tests.
+///
+/// At equal depth the later primitive of the same object wins, as POV-Ray's stack of hits has it; between objects the earlier one.
+pub(super) struct Nearest<'a> {
+    g: &'a Geometry,
+    ray: &'a Ray,
+    t_min: f64,
+    /// Depth of the best hit, or the limit.
+    pub t: f64,
+    prim_ix: u32,
+    part: Part,
+    stop_at_first: bool,
+    // The primitive under test.
+    prim: u32,
+    clip: InsideProgram,
+    per_local: f64,
+}
+
+impl<'a> Nearest<'a> {
+    pub fn new(g: &'a Geometry, ray: &'a Ray, t_min: f64, t_max: f64) -> Self {
+        Self {
+            g,
+            ray,
+            t_min,
+            t: t_max,
+            prim_ix: u32::MAX,
+            part: Part::default(),
+            stop_at_first: false,
+            prim: u32::MAX,
+            clip: InsideProgram::default(),
+            per_local: 1.0,
+        }
+    }
+
+    #[inline]
+    pub fn test(&mut self, prim_ix: u32) {
+        let g = self.g;
+        let prim: &Prim = &g.prims[prim_ix as usize];
+        self.prim = prim_ix;
+        self.clip = InsideProgram { start: prim.clip_start, len: prim.clip_len };
+        let local = if prim.transform_ix == 0 {
+            self.per_local = 1.0;
+            LocalRay { origin: self.ray.origin, dir: self.ray.dir }
+        } else {
+            let t = &g.transforms[prim.transform_ix as usize];
+            let dir = t.inverse_vector(self.ray.dir);
+            let len = dir.length();
+            self.per_local = 1.0 / len;
+            LocalRay { origin: t.inverse_point(self.ray.origin), dir: dir / len }
+        };
+        intersect_shape(g, prim, &local, self);
+    }
+
+    /// The best hit with its normal and coordinates.
+    pub fn finish(&self) -> Option<SurfaceHit> {
+        (self.prim_ix != u32::MAX).then(|| surface_hit(self.g, self.ray, self.t, self.prim_ix, &self.part))
+    }
+}
+
+impl HitSink for Nearest<'_> {
+    #[inline]
+    fn push(&mut self, t_local: f64, part: Part) {
+        let t = t_local * self.per_local;
+        if !(t >= self.t_min && t <= self.t) {
+            return;
+        }
+        if t == self.t {
+            let Some(best) = self.g.prims.get(self.prim_ix as usize) else { return };
+            let (own, other) = (self.g.prims[self.prim as usize].object_ix, best.object_ix);
+            if if own == other { self.prim < self.prim_ix } else { own > other } {
+                return;
+            }
+        }
+        if self.stop_at_first && self.prim_ix != u32::MAX {
+            return;
+        }
+        if self.clip.len > 0 && !run_program(self.g, self.clip, self.prim, self.ray.at(t)) {
+            return;
+        }
+        self.t = t;
+        self.prim_ix = self.prim;
+        self.part = part;
+    }
+
+    #[inline]
+    fn far(&self) -> f64 {
+        self.t / self.per_local
+    }
+}
+
+/// Everything about a hit that shading asks for.
+fn surface_hit(g: &Geometry, ray: &Ray, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
+    let prim = &g.prims[prim_ix as usize];
+    let point = ray.at(t);
+    let (local, n) = if prim.transform_ix == 0 {
+        (point, shape_normal(g, prim, point, part))
+    } else {
+        let transform = &g.transforms[prim.transform_ix as usize];
+        let local = transform.inverse_point(point);
+        (local, transform.normal(shape_normal(g, prim, local, part)))
+    };
+    let n = n.try_normalize().unwrap_or(DVec3::X);
+    SurfaceHit {
+        t,
+        prim_ix,
+        face_ix: part.face,
+        point,
+        normal: if prim.flags & prim_flags::INVERTED != 0 { -n } else { n },
+        uv: shape_uv(g, prim, local, point, part),
+        barycentric: DVec2::new(part.a, part.b),
+    }
+}
