@@ -444,8 +444,7 @@ impl<'a> Flattener<'a> {
             group_ix: inside.group_ix,
         });
         self.geometry.bounds.push(leaf.surface_bounds);
-        let (bounds, cobounds) =
-            if inverted { (Bounds::UNBOUNDED, leaf.inside_bounds) } else { (leaf.inside_bounds, Bounds::UNBOUNDED) };
+        let (bounds, cobounds) = if inverted { (Bounds::UNBOUNDED, leaf.inside_bounds) } else { (leaf.inside_bounds, Bounds::UNBOUNDED) };
         let kind = NodeKind::Leaf(prim_ix);
         let surface_bounds = leaf.surface_bounds;
         Ok(Some(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid: leaf.solid }))
@@ -508,11 +507,15 @@ impl<'a> Flattener<'a> {
         };
         let is_all = matches!(n.kind, NodeKind::All(_));
         // Boxes of all children but one, from both ends, so that many children stay cheap.
-        let after: Vec<Bounds> = list.iter().rev().scan(Bounds::UNBOUNDED, |b, c| {
-            let now = *b;
-            *b = b.intersection(self.nodes[*c].bounds);
-            Some(now)
-        }).collect();
+        let after: Vec<Bounds> = list
+            .iter()
+            .rev()
+            .scan(Bounds::UNBOUNDED, |b, c| {
+                let now = *b;
+                *b = b.intersection(self.nodes[*c].bounds);
+                Some(now)
+            })
+            .collect();
         let mut before = cut;
         for (k, c) in list.iter().enumerate() {
             let child_cut = if is_all { before.intersection(after[list.len() - 1 - k]) } else { cut };

@@ -36,7 +36,12 @@ pub(super) fn push<T>(table: &mut Vec<T>, item: T) -> u32 {
 }
 
 /// Puts the shape of `object` (a leaf) into its table; `to_world` maps shape space to the world.
-pub(super) fn add_leaf(object: &Object, to_world: &Transform, shapes: &mut Shapes, transforms: &mut TransformTable) -> Result<Leaf, NoLeaf> {
+pub(super) fn add_leaf(
+    object: &Object,
+    to_world: &Transform,
+    shapes: &mut Shapes,
+    transforms: &mut TransformTable,
+) -> Result<Leaf, NoLeaf> {
     let finite = |kind, shape_ix, transform: Transform, bounds: Bounds| {
         let bounds = padded(bounds);
         Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: bounds, solid: true })
@@ -124,8 +129,7 @@ pub(super) fn add_leaf(object: &Object, to_world: &Transform, shapes: &mut Shape
         }
         Shape::Triangle { vertices, normals } => {
             let world = vertices.map(|v| to_world.point(v));
-            let shape =
-                TriangleShape::new(world, normals.map(|ns| ns.map(|n| to_world.normal(n).normalize()))).ok_or(NoLeaf::Nothing)?;
+            let shape = TriangleShape::new(world, normals.map(|ns| ns.map(|n| to_world.normal(n).normalize()))).ok_or(NoLeaf::Nothing)?;
             let bounds = padded(Bounds::from_points(world));
             let shape_ix = push(&mut shapes.triangles, shape);
             let (kind, transform) = (PrimKind::Triangle, Transform::IDENTITY);

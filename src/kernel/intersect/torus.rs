@@ -40,13 +40,7 @@ pub fn intersect_torus(s: &TorusShape, ray: &LocalRay, sink: &mut impl HitSink) 
     let pdy2 = origin.y * d.y;
     let k1 = origin.length_squared() - r1 - r2;
     let k2 = origin.dot(d);
-    let c = [
-        1.0,
-        4.0 * k2,
-        2.0 * (k1 + 2.0 * (k2 * k2 + r1 * dy2)),
-        4.0 * (k2 * k1 + 2.0 * r1 * pdy2),
-        k1 * k1 + 4.0 * r1 * (py2 - r2),
-    ];
+    let c = [1.0, 4.0 * k2, 2.0 * (k1 + 2.0 * (k2 * k2 + r1 * dy2)), 4.0 * (k2 * k1 + 2.0 * r1 * pdy2), k1 * k1 + 4.0 * r1 * (py2 - r2)];
     for t in solve_polynomial(&c, s.sturm, ROOT_TOLERANCE).iter() {
         let t = t + skipped;
         if t > TOLERANCE && t < MAX_DISTANCE {
