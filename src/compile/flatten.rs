@@ -3,8 +3,8 @@
 //! First the object's tree becomes `Node`s whose leaves are primitives (inversions pushed down, De Morgan); then every leaf gets
 //! its clip program and its bounds from the nodes above it. Source: spec/objects.md, section 13.
 
-use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, Surface, prim_flags};
-use super::leaf::{NoLeaf, add_leaf};
+use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, PrimKind, Surface, prim_flags};
+use super::leaf::{Leaf, LeafTables, NoLeaf, add_glyph, add_leaf};
 use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
 use super::tables::{SurfaceTable, TransformTable};
 use super::texture_stub::TextureBuilder;
@@ -53,6 +53,7 @@ pub(super) struct Flattener<'a> {
     pub light_groups: Vec<LightGroup>,
     pub textures: TextureBuilder,
     pub transforms: TransformTable,
+    leaves: LeafTables,
     surfaces: SurfaceTable,
     nodes: Vec<Node>,
     /// Lights met inside an object that is being compiled.
@@ -73,6 +74,7 @@ impl<'a> Flattener<'a> {
             light_groups: Vec::new(),
             textures,
             transforms: TransformTable::new(),
+            leaves: LeafTables::default(),
             surfaces: SurfaceTable::default(),
             nodes: Vec::new(),
             pending_lights: Vec::new(),
@@ -101,6 +103,7 @@ impl<'a> Flattener<'a> {
     /// The finished tables.
     pub fn finish(mut self) -> (Geometry, Self) {
         let mut geometry = std::mem::take(&mut self.geometry);
+        geometry.shapes = std::mem::take(&mut self.leaves.shapes);
         geometry.transforms = std::mem::take(&mut self.transforms.items);
         geometry.surfaces = std::mem::take(&mut self.surfaces.items);
         for (k, (prim, bounds)) in geometry.prims.iter().zip(&geometry.bounds).enumerate() {
@@ -339,6 +342,7 @@ impl<'a> Flattener<'a> {
                 self.pending_lights.push(((**light).clone(), inside));
                 None
             }
+            Shape::Text { .. } => self.text(object, &inside, inverted)?,
             _ => self.leaf(object, &inside, inverted, in_csg)?,
         };
         let Some(mut node) = built else { return Ok(None) };
@@ -348,7 +352,9 @@ impl<'a> Flattener<'a> {
             depth: entered.depth,
             ..Inherited::top()
         };
-        for c in &object.clipped_by {
+        // clipped_by does nothing to a patch.
+        let is_patch = matches!(object.shape, Shape::BicubicPatch { .. });
+        for c in object.clipped_by.iter().filter(|_| !is_patch) {
             let below = self.enter(c, &clip_space, Role::Hidden);
             if let Some(c) = self.node(c, &below, false, true)? {
                 node.clips.push(c);
@@ -410,23 +416,42 @@ impl<'a> Flattener<'a> {
         Some(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid })
     }
 
-    fn leaf(&mut self, object: &Object, inside: &Inherited, inverted: bool, in_csg: bool) -> Result<Option<Node>, CompileError> {
-        if self.geometry.prims.len() >= MAX_PRIMS {
-            return Err(CompileError::TooMany { what: "primitives", count: MAX_PRIMS as u64 + 1, limit: MAX_PRIMS as u64 });
+    /// A text: a plain union of its letters.
+    fn text(&mut self, object: &Object, inside: &Inherited, inverted: bool) -> Result<Option<Node>, CompileError> {
+        let Shape::Text { glyphs, depth } = &object.shape else { return Ok(None) };
+        let mut list = Vec::with_capacity(glyphs.len());
+        for g in glyphs {
+            if let Some(leaf) = add_glyph(g, *depth, &inside.to_world, &mut self.leaves) {
+                let first = self.geometry.prims.len() as u32;
+                let mut node = self.add_prim(&leaf, inside, inverted, true)?;
+                node.prims = first..first + 1;
+                self.nodes.push(node);
+                list.push(self.nodes.len() - 1);
+            }
         }
-        let leaf = match add_leaf(object, &inside.to_world, &mut self.geometry.shapes, &mut self.transforms) {
-            Ok(leaf) => leaf,
-            Err(NoLeaf::Nothing) => return Ok(None),
+        Ok(self.join(list, inverted, inverted))
+    }
+
+    fn leaf(&mut self, object: &Object, inside: &Inherited, inverted: bool, in_csg: bool) -> Result<Option<Node>, CompileError> {
+        match add_leaf(object, &inside.to_world, &mut self.leaves, &mut self.transforms, &mut self.textures) {
+            Ok(leaf) => self.add_prim(&leaf, inside, inverted, in_csg).map(Some),
+            Err(NoLeaf::Nothing) => Ok(None),
             Err(NoLeaf::Unsupported(name)) => {
                 let text = format!("{name} objects are not rendered yet; they are left out");
                 self.sink.note_once(&format!("shape-{name}"), object.span, text);
-                return Ok(None);
+                Ok(None)
             }
-        };
+        }
+    }
+
+    fn add_prim(&mut self, leaf: &Leaf, inside: &Inherited, inverted: bool, in_csg: bool) -> Result<Node, CompileError> {
+        if self.geometry.prims.len() >= MAX_PRIMS {
+            return Err(CompileError::TooMany { what: "primitives", count: MAX_PRIMS as u64 + 1, limit: MAX_PRIMS as u64 });
+        }
         let mut flags = inside.flags;
         flags |= if inverted { prim_flags::INVERTED } else { 0 };
         flags |= if in_csg { prim_flags::CSG_CHILD } else { 0 };
-        let surface_ix = self.surface(inside, &mut flags);
+        let surface_ix = self.surface(leaf, inside, &mut flags);
         if let Some(i) = self.interiors.get_mut(inside.interior_ix as usize) {
             i.hollow = inside.hollow == Some(true);
         }
@@ -447,12 +472,12 @@ impl<'a> Flattener<'a> {
         let (bounds, cobounds) = if inverted { (Bounds::UNBOUNDED, leaf.inside_bounds) } else { (leaf.inside_bounds, Bounds::UNBOUNDED) };
         let kind = NodeKind::Leaf(prim_ix);
         let surface_bounds = leaf.surface_bounds;
-        Ok(Some(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid: leaf.solid }))
+        Ok(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid: leaf.solid })
     }
 
     /// The cover that a leaf gets; sets `TRANSPARENT`.
-    fn surface(&mut self, inside: &Inherited, flags: &mut u32) -> u32 {
-        if *flags & prim_flags::INSIDE_ONLY != 0 {
+    fn surface(&mut self, leaf: &Leaf, inside: &Inherited, flags: &mut u32) -> u32 {
+        if *flags & prim_flags::HIDDEN != 0 {
             return self.surfaces.add(Surface { texture: NONE, interior_texture: NONE, transform_ix: 0 });
         }
         let cutaway = *flags & prim_flags::CUTAWAY != 0;
@@ -470,7 +495,13 @@ impl<'a> Flattener<'a> {
             }
             None => NONE,
         };
-        if cutaway && texture == NONE || [texture, interior_texture].iter().any(|t| *t != NONE && self.textures.is_transparent(*t)) {
+        let parts: &[u32] = match leaf.kind {
+            PrimKind::Mesh => &self.leaves.shapes.meshes[leaf.shape_ix as usize].textures,
+            PrimKind::Blob => &self.leaves.shapes.blobs[leaf.shape_ix as usize].textures,
+            _ => &[],
+        };
+        let mut covers = [texture, interior_texture].into_iter().chain(parts.iter().copied()).filter(|t| *t != NONE);
+        if cutaway && texture == NONE || covers.any(|t| self.textures.is_transparent(t)) {
             *flags |= prim_flags::TRANSPARENT;
         }
         // A cover on (u, v) does not move with its object.

@@ -2,10 +2,19 @@
 
 use super::geometry::PrimKind;
 use super::shape::simple::frame_along;
-use super::shape::{BoxShape, ConeShape, CylinderShape, DiscShape, PlaneShape, Shapes, SphereShape, TorusShape, TriangleShape};
+use super::shape::mesh::patch_mesh;
+use super::shape::{
+    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HeightFieldShape, LatheShape, MeshShape, PlaneShape,
+    PolyShape, PolygonShape, PrismShape, QuadricShape, Shapes, SorShape, SphereShape, SuperellipsoidShape, TorusShape, TriangleShape,
+};
 use super::tables::TransformTable;
+use super::texture_stub::TextureBuilder;
+use super::NONE;
 use crate::math::{BOUND_HUGE, Bounds, DMat3, DVec3, EPSILON, Transform};
-use crate::scene::{Object, Shape};
+use crate::scene::shape::Glyph;
+use crate::scene::{Mesh, Object, Shape};
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// A shape that stands in its table.
 pub(super) struct Leaf {
@@ -35,17 +44,60 @@ pub(super) fn push<T>(table: &mut Vec<T>, item: T) -> u32 {
     table.len() as u32 - 1
 }
 
+/// Everything that leaves share.
+#[derive(Default)]
+pub(super) struct LeafTables {
+    pub shapes: Shapes,
+    /// Meshes by address: instances share one. The mesh keeps the address taken.
+    meshes: HashMap<*const Mesh, u32>,
+}
+
+impl LeafTables {
+    /// The table entry of a mesh; `None` when it has no faces.
+    fn mesh(&mut self, mesh: &Arc<Mesh>, textures: &mut TextureBuilder) -> Option<u32> {
+        if let Some(ix) = self.meshes.get(&Arc::as_ptr(mesh)) {
+            return Some(*ix);
+        }
+        let covers = mesh.textures.iter().map(|t| textures.texture(t)).collect();
+        let ix = push(&mut self.shapes.meshes, MeshShape::new(mesh.clone(), covers)?);
+        self.meshes.insert(Arc::as_ptr(mesh), ix);
+        Some(ix)
+    }
+}
+
+/// One letter of a text.
+pub(super) fn add_glyph(glyph: &Glyph, depth: f64, to_world: &Transform, tables: &mut LeafTables) -> Option<Leaf> {
+    let shape = GlyphShape::new(glyph, depth)?;
+    let transform = Transform::translation(glyph.offset).then(to_world);
+    let bounds = padded(shape.bounds().transformed(&transform));
+    let shape_ix = push(&mut tables.shapes.glyphs, shape);
+    Some(Leaf { kind: PrimKind::Glyph, shape_ix, transform, surface_bounds: bounds, inside_bounds: bounds, solid: true })
+}
+
 /// Puts the shape of `object` (a leaf) into its table; `to_world` maps shape space to the world.
 pub(super) fn add_leaf(
     object: &Object,
     to_world: &Transform,
-    shapes: &mut Shapes,
+    tables: &mut LeafTables,
     transforms: &mut TransformTable,
+    textures: &mut TextureBuilder,
 ) -> Result<Leaf, NoLeaf> {
     let finite = |kind, shape_ix, transform: Transform, bounds: Bounds| {
         let bounds = padded(bounds);
         Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: bounds, solid: true })
     };
+    // Shapes that stay in their own space, with a box there.
+    let placed = |kind, shape_ix, bounds: Bounds| finite(kind, shape_ix, *to_world, bounds.transformed(to_world));
+    let sturm = object.flags.sturm;
+    let found = |o: Option<u32>| o.ok_or(NoLeaf::Nothing);
+    if let Shape::Mesh(mesh) = &object.shape {
+        let ix = found(tables.mesh(mesh, textures))?;
+        let bounds = padded(tables.shapes.meshes[ix as usize].world_bounds(to_world));
+        let solid = mesh.inside_vector.is_some();
+        let inside_bounds = if solid { bounds } else { Bounds::EMPTY };
+        return Ok(Leaf { kind: PrimKind::Mesh, shape_ix: ix, transform: *to_world, surface_bounds: bounds, inside_bounds, solid });
+    }
+    let shapes = &mut tables.shapes;
     match &object.shape {
         Shape::Sphere { center, radius } => {
             let (c, r) = (to_world.point(*center), radius.abs());
@@ -135,7 +187,72 @@ pub(super) fn add_leaf(
             let (kind, transform) = (PrimKind::Triangle, Transform::IDENTITY);
             Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: Bounds::EMPTY, solid: false })
         }
-        Shape::Csg { .. } | Shape::Group { .. } | Shape::LightGroup { .. } | Shape::Light(_) => Err(NoLeaf::Nothing),
+        Shape::Polygon { points } => {
+            let shape = PolygonShape::new(points).ok_or(NoLeaf::Nothing)?;
+            let bounds = padded(Bounds::from_points(points.iter().map(|p| to_world.point(*p))));
+            let shape_ix = push(&mut shapes.polygons, shape);
+            let (kind, transform) = (PrimKind::Polygon, *to_world);
+            Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: Bounds::EMPTY, solid: false })
+        }
+        Shape::BicubicPatch { points, uvs, flatness, u_steps, v_steps, .. } => {
+            let mesh = patch_mesh(points, uvs, *flatness, *u_steps, *v_steps);
+            let shape = MeshShape::new(Arc::new(mesh), Vec::new()).ok_or(NoLeaf::Nothing)?;
+            let bounds = padded(shape.world_bounds(to_world));
+            let shape_ix = push(&mut shapes.meshes, shape);
+            let (kind, transform) = (PrimKind::BicubicPatch, *to_world);
+            Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: Bounds::EMPTY, solid: false })
+        }
+        Shape::Quadric { coefficients } => {
+            let shape = QuadricShape { c: *coefficients };
+            let bounds = shape.bounds();
+            let bounds = if to_world.is_identity() { padded_axes(bounds) } else { padded(bounds.transformed(to_world)) };
+            let shape_ix = push(&mut shapes.quadrics, shape);
+            let (kind, transform) = (PrimKind::Quadric, *to_world);
+            Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: bounds, solid: true })
+        }
+        Shape::Poly { order, coefficients } => {
+            let shape = PolyShape::new(*order, coefficients, sturm).ok_or(NoLeaf::Nothing)?;
+            placed(PrimKind::Poly, push(&mut shapes.polys, shape), Bounds::UNBOUNDED)
+        }
+        Shape::Blob { threshold, components } => {
+            let covers = components.iter().map(|c| c.texture.as_ref().map_or(NONE, |t| textures.texture(t))).collect();
+            let shape = BlobShape::new(*threshold, components, covers, sturm).ok_or(NoLeaf::Nothing)?;
+            let bounds = shape.bounds;
+            placed(PrimKind::Blob, push(&mut shapes.blobs, shape), bounds)
+        }
+        Shape::Lathe { kind, points } => {
+            let shape = LatheShape::new(*kind, points, sturm).ok_or(NoLeaf::Nothing)?;
+            let bounds = revolved(shape.radius, shape.low, shape.high, to_world);
+            finite(PrimKind::Lathe, push(&mut shapes.lathes, shape), *to_world, bounds)
+        }
+        Shape::Sor { points, open } => {
+            let shape = SorShape::new(points, *open, sturm).ok_or(NoLeaf::Nothing)?;
+            let (low, high) = shape.heights();
+            let bounds = revolved(shape.radius, low, high, to_world);
+            finite(PrimKind::Sor, push(&mut shapes.sors, shape), *to_world, bounds)
+        }
+        Shape::Prism { .. } => {
+            let shape = PrismShape::new(&object.shape).ok_or(NoLeaf::Nothing)?;
+            let bounds = shape.bounds();
+            placed(PrimKind::Prism, push(&mut shapes.prisms, shape), bounds)
+        }
+        Shape::Superellipsoid { e, n } => {
+            let shape = SuperellipsoidShape { xy_power: 2.0 / e, z_power: 2.0 / n };
+            let reach = DVec3::splat(1.0001);
+            placed(PrimKind::Superellipsoid, push(&mut shapes.superellipsoids, shape), Bounds { min: -reach, max: reach })
+        }
+        Shape::HeightField { heights, water_level, smooth } => {
+            let shape = HeightFieldShape::new(heights.clone(), *water_level, *smooth).ok_or(NoLeaf::Nothing)?;
+            let transform = shape.frame().then(to_world);
+            let surface_bounds = padded(shape.bounds().transformed(&transform));
+            let below = Bounds { min: DVec3::new(0.0, -1e9, 0.0), ..shape.bounds() };
+            let inside_bounds = padded(below.transformed(&transform));
+            let shape_ix = push(&mut shapes.height_fields, shape);
+            Ok(Leaf { kind: PrimKind::HeightField, shape_ix, transform, surface_bounds, inside_bounds, solid: true })
+        }
+        Shape::Csg { .. } | Shape::Group { .. } | Shape::LightGroup { .. } | Shape::Light(_) | Shape::Text { .. } | Shape::Mesh(_) => {
+            Err(NoLeaf::Nothing)
+        }
         other => Err(NoLeaf::Unsupported(shape_name(other))),
     }
 }
@@ -182,6 +299,21 @@ pub(super) fn padded(b: Bounds) -> Bounds {
     }
     let pad = 1e-7 * (1.0 + b.min.abs().max(b.max.abs()).max_element());
     Bounds { min: b.min - DVec3::splat(pad), max: b.max + DVec3::splat(pad) }
+}
+
+/// As [`padded`], for boxes that are unbounded along some axes only.
+fn padded_axes(b: Bounds) -> Bounds {
+    if b.is_empty() {
+        return b;
+    }
+    let pad = (b.min.abs().max(b.max.abs()) + DVec3::ONE) * 1e-7;
+    Bounds { min: b.min - pad, max: b.max + pad }.intersection(Bounds::UNBOUNDED)
+}
+
+/// World box of a cylinder about y.
+fn revolved(radius: f64, low: f64, high: f64, t: &Transform) -> Bounds {
+    let disc = |y| disc_bounds(DVec3::Y * y, DVec3::Y, radius, t);
+    disc(low).union(disc(high))
 }
 
 /// Lengths of the matrix's rows: how far the unit sphere reaches along each axis.

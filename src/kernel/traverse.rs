@@ -4,7 +4,7 @@
 
 use super::SurfaceHit;
 use super::inside::run_program;
-use super::intersect::{HitSink, LocalRay, Part, intersect_shape, shape_normal, shape_uv};
+use super::intersect::{HitSink, LocalRay, Part, intersect_shape, shape_uv, world_normal};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{Geometry, InsideProgram, Prim, prim_flags};
 use crate::math::{DVec2, DVec3, Ray};
@@ -234,11 +234,11 @@ fn surface_hit(g: &Geometry, ray: &Ray, t: f64, prim_ix: u32, part: &Part) -> Su
     let prim = &g.prims[prim_ix as usize];
     let point = ray.at(t);
     let (local, n) = if prim.transform_ix == 0 {
-        (point, shape_normal(g, prim, point, part))
+        (point, world_normal(g, prim, None, point, part))
     } else {
         let transform = &g.transforms[prim.transform_ix as usize];
         let local = transform.inverse_point(point);
-        (local, transform.normal(shape_normal(g, prim, local, part)))
+        (local, world_normal(g, prim, Some(transform), local, part))
     };
     let n = n.try_normalize().unwrap_or(DVec3::X);
     SurfaceHit {

@@ -1,9 +1,20 @@
 //! What each kind of shape needs to be hit: one plain struct a kind, made once from the scene's numbers.
 //! Nothing here traces a ray; `kernel/intersect` does.
 
+pub mod algebraic;
+pub mod blob;
+pub mod curve;
+pub mod height;
+pub mod mesh;
 pub mod simple;
+pub mod swept;
 
+pub use algebraic::{PolyShape, QuadricShape, SuperellipsoidShape};
+pub use blob::BlobShape;
+pub use height::HeightFieldShape;
+pub use mesh::MeshShape;
 pub use simple::{BoxShape, ConeShape, CylinderShape, DiscShape, PlaneShape, SphereShape, TorusShape, TriangleShape};
+pub use swept::{GlyphShape, LatheShape, PolygonShape, PrismShape, SorShape};
 
 /// Tables of shapes, one a kind of primitive.
 #[derive(Debug, Default)]
@@ -17,4 +28,15 @@ pub struct Shapes {
     pub discs: Vec<DiscShape>,
     pub tori: Vec<TorusShape>,
     pub triangles: Vec<TriangleShape>,
+    pub meshes: Vec<MeshShape>,
+    pub polygons: Vec<PolygonShape>,
+    pub quadrics: Vec<QuadricShape>,
+    pub polys: Vec<PolyShape>,
+    pub blobs: Vec<BlobShape>,
+    pub lathes: Vec<LatheShape>,
+    pub sors: Vec<SorShape>,
+    pub prisms: Vec<PrismShape>,
+    pub superellipsoids: Vec<SuperellipsoidShape>,
+    pub height_fields: Vec<HeightFieldShape>,
+    pub glyphs: Vec<GlyphShape>,
 }

@@ -2,13 +2,18 @@
 //! clip programs) is the sink's business (`kernel/traverse`). Twins: `shaders/shared/intersect_*.wesl`.
 //! Source: spec/objects.md; tolerances are POV-Ray's and decide pixels.
 
+pub mod algebraic;
+pub mod blob;
+pub mod curves;
+pub mod height_field;
+pub mod mesh;
 pub mod quadrics;
 pub mod simple;
 pub mod torus;
 pub mod triangle;
 
-use crate::compile::geometry::{Geometry, Prim, PrimKind};
-use crate::math::{DVec2, DVec3};
+use crate::compile::geometry::{Geometry, Prim, PrimKind, prim_flags};
+use crate::math::{DVec2, DVec3, EPSILON, Transform};
 
 /// Where on a shape a hit lies, kept until the normal is wanted. What the numbers mean is the shape's business.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -58,6 +63,7 @@ impl LocalRay {
 pub fn intersect_shape(g: &Geometry, prim: &Prim, ray: &LocalRay, sink: &mut impl HitSink) {
     let ix = prim.shape_ix as usize;
     let s = &g.shapes;
+    let all = || prim.flags & prim_flags::CSG_CHILD != 0;
     match prim.kind {
         PrimKind::Sphere => simple::intersect_sphere(&s.spheres[ix], ray, sink),
         PrimKind::Box => simple::intersect_box(&s.boxes[ix], ray, sink),
@@ -67,6 +73,17 @@ pub fn intersect_shape(g: &Geometry, prim: &Prim, ray: &LocalRay, sink: &mut imp
         PrimKind::Cone => quadrics::intersect_cone(&s.cones[ix], ray, sink),
         PrimKind::Torus => torus::intersect_torus(&s.tori[ix], ray, sink),
         PrimKind::Triangle => triangle::intersect_triangle(&s.triangles[ix], ray, sink),
+        PrimKind::Mesh | PrimKind::BicubicPatch => mesh::intersect_mesh(&s.meshes[ix], ray, sink),
+        PrimKind::Polygon => curves::intersect_polygon(&s.polygons[ix], ray, sink),
+        PrimKind::Quadric => algebraic::intersect_quadric(&s.quadrics[ix], ray, sink),
+        PrimKind::Poly => algebraic::intersect_poly(&s.polys[ix], ray, sink),
+        PrimKind::Blob => blob::intersect_blob(&s.blobs[ix], ray, all(), sink),
+        PrimKind::Lathe => curves::intersect_lathe(&s.lathes[ix], ray, sink),
+        PrimKind::Sor => curves::intersect_sor(&s.sors[ix], ray, sink),
+        PrimKind::Prism => curves::intersect_prism(&s.prisms[ix], ray, sink),
+        PrimKind::Superellipsoid => algebraic::intersect_superellipsoid(&s.superellipsoids[ix], ray, all(), sink),
+        PrimKind::HeightField => height_field::intersect_height_field(&s.height_fields[ix], ray, all(), sink),
+        PrimKind::Glyph => curves::intersect_glyph(&s.glyphs[ix], ray, sink),
         _ => {}
     }
 }
@@ -88,12 +105,32 @@ pub fn inside_shape(g: &Geometry, prim: &Prim, p: DVec3, inverted: bool) -> bool
             PrimKind::Cylinder => quadrics::inside_cylinder(&s.cylinders[ix], p),
             PrimKind::Cone => quadrics::inside_cone(&s.cones[ix], p),
             PrimKind::Torus => torus::inside_torus(&s.tori[ix], p),
+            PrimKind::Mesh => mesh::inside_mesh(&s.meshes[ix], p),
+            PrimKind::Quadric => algebraic::quadric_value(&s.quadrics[ix], p) <= 0.0,
+            PrimKind::Poly => algebraic::poly_value(&s.polys[ix], p) < 1e-4,
+            PrimKind::Blob => blob::inside_blob(&s.blobs[ix], p),
+            PrimKind::Lathe => curves::inside_lathe(&s.lathes[ix], p),
+            PrimKind::Sor => curves::inside_sor(&s.sors[ix], p),
+            PrimKind::Prism => curves::inside_prism(&s.prisms[ix], p),
+            PrimKind::Superellipsoid => algebraic::superellipsoid_value(&s.superellipsoids[ix], p) < EPSILON,
+            PrimKind::HeightField => height_field::inside_height_field(&s.height_fields[ix], p),
+            PrimKind::Glyph => curves::inside_glyph(&s.glyphs[ix], p),
             _ => false,
         }
 }
 
+/// The normal of a hit, in the world unless `transform` is `None`; not unit, not inverted. `p` is in shape space.
+pub fn world_normal(g: &Geometry, prim: &Prim, transform: Option<&Transform>, p: DVec3, part: &Part) -> DVec3 {
+    if prim.kind == PrimKind::HeightField {
+        let shape = &g.shapes.height_fields[prim.shape_ix as usize];
+        return height_field::height_field_normal(shape, transform.unwrap_or(&Transform::IDENTITY), part);
+    }
+    let n = shape_normal(g, prim, p, part);
+    transform.map_or(n, |t| t.normal(n))
+}
+
 /// The normal of a hit in shape space, not unit, not inverted.
-pub fn shape_normal(g: &Geometry, prim: &Prim, p: DVec3, part: &Part) -> DVec3 {
+fn shape_normal(g: &Geometry, prim: &Prim, p: DVec3, part: &Part) -> DVec3 {
     let ix = prim.shape_ix as usize;
     let s = &g.shapes;
     match prim.kind {
@@ -105,6 +142,16 @@ pub fn shape_normal(g: &Geometry, prim: &Prim, p: DVec3, part: &Part) -> DVec3 {
         PrimKind::Cone => quadrics::cone_normal(p, part.face),
         PrimKind::Torus => torus::torus_normal(&s.tori[ix], p),
         PrimKind::Triangle => triangle::triangle_normal(&s.triangles[ix], part),
+        PrimKind::Mesh | PrimKind::BicubicPatch => mesh::mesh_normal(&s.meshes[ix], part),
+        PrimKind::Polygon => s.polygons[ix].normal,
+        PrimKind::Quadric => algebraic::quadric_normal(&s.quadrics[ix], p),
+        PrimKind::Poly => algebraic::poly_normal(&s.polys[ix], p),
+        PrimKind::Blob => blob::blob_normal(&s.blobs[ix], p),
+        PrimKind::Lathe => curves::lathe_normal(&s.lathes[ix], p, part),
+        PrimKind::Sor => curves::sor_normal(&s.sors[ix], p, part),
+        PrimKind::Prism => curves::prism_normal(&s.prisms[ix], part),
+        PrimKind::Superellipsoid => algebraic::superellipsoid_normal(&s.superellipsoids[ix], p),
+        PrimKind::Glyph => curves::glyph_normal(&s.glyphs[ix], part),
         _ => DVec3::Y,
     }
 }
@@ -121,6 +168,9 @@ pub fn shape_uv(g: &Geometry, prim: &Prim, p: DVec3, world: DVec3, part: &Part) 
         }
         PrimKind::Box => simple::box_uv(&s.boxes[ix], p, part.face),
         PrimKind::Torus => torus::torus_uv(&s.tori[ix], p),
+        PrimKind::Mesh | PrimKind::BicubicPatch => mesh::mesh_uv(&s.meshes[ix], part),
+        PrimKind::Lathe => curves::lathe_uv(&s.lathes[ix], p, part),
+        PrimKind::Sor => curves::sor_uv(&s.sors[ix], p, part),
         _ => DVec2::new(world.x, world.y),
     }
 }

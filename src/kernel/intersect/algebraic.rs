@@ -1,0 +1,322 @@
+//! Quadric, polynomial surface, superellipsoid. Source: spec/objects.md, sections 2 and 3.
+
+use super::{HitSink, LocalRay, Part};
+use crate::compile::shape::algebraic::{PolyShape, QuadricShape, SuperellipsoidShape};
+use crate::math::roots::{MAX_ORDER, solve_polynomial};
+use crate::math::{DVec3, EPSILON, MAX_DISTANCE};
+
+/// Both crossings of a quadric.
+#[inline]
+pub fn intersect_quadric(s: &QuadricShape, ray: &LocalRay, sink: &mut impl HitSink) {
+    let [a, b, c, d, e, f, g, h, i, j] = s.c;
+    let (o, v) = (ray.origin, ray.dir);
+    let qa = a * v.x * v.x + b * v.y * v.y + c * v.z * v.z + d * v.x * v.y + e * v.x * v.z + f * v.y * v.z;
+    let qb = a * o.x * v.x
+        + b * o.y * v.y
+        + c * o.z * v.z
+        + 0.5 * (d * (o.x * v.y + o.y * v.x) + e * (o.x * v.z + o.z * v.x) + f * (o.y * v.z + o.z * v.y) + g * v.x + h * v.y + i * v.z);
+    let qc = quadric_value(s, o);
+    debug_assert!(j.is_finite());
+    let mut push = |t: f64| {
+        if t > 1e-6 && t < MAX_DISTANCE {
+            sink.push(t, Part::default());
+        }
+    };
+    if qa != 0.0 {
+        let disc = qb * qb - qa * qc;
+        if disc > 0.0 {
+            let root = disc.sqrt();
+            push((-qb + root) / qa);
+            push((-qb - root) / qa);
+        }
+    } else if qb != 0.0 {
+        push(-0.5 * qc / qb);
+    }
+}
+
+/// The polynomial at a point; at most 0 is inside.
+#[inline]
+pub fn quadric_value(s: &QuadricShape, p: DVec3) -> f64 {
+    let [a, b, c, d, e, f, g, h, i, j] = s.c;
+    p.x * (a * p.x + d * p.y + e * p.z + g) + p.y * (b * p.y + f * p.z + h) + p.z * (c * p.z + i) + j
+}
+
+/// Gradient; x where it vanishes.
+pub fn quadric_normal(s: &QuadricShape, p: DVec3) -> DVec3 {
+    let [a, b, c, d, e, f, g, h, i, _] = s.c;
+    let n = DVec3::new(
+        2.0 * a * p.x + d * p.y + e * p.z + g,
+        d * p.x + 2.0 * b * p.y + f * p.z + h,
+        e * p.x + f * p.y + 2.0 * c * p.z + i,
+    );
+    if n == DVec3::ZERO { DVec3::X } else { n }
+}
+
+/// Powers of a coordinate along a ray, (o + d t)^k as coefficients of t from the lowest up.
+type Powers = [[f64; MAX_ORDER + 1]; MAX_ORDER + 1];
+
+/// All crossings of a polynomial surface.
+pub fn intersect_poly(s: &PolyShape, ray: &LocalRay, sink: &mut impl HitSink) {
+    let n = s.order as usize;
+    let mut along = [0.0; MAX_ORDER + 1];
+    if n <= 4 { substitute::<5>(s, ray, &mut along) } else { substitute_high(s, ray, &mut along) }
+    along[..=n].reverse();
+    let c = &along[..=n];
+    let mut push = |t: f64| {
+        if t > 1e-4 && t < MAX_DISTANCE {
+            sink.push(t, Part::default());
+        }
+    };
+    if n == 2 {
+        let [qa, qb, qc] = [c[0], c[1], c[2]].map(|v| if v.abs() < 1e-20 { 0.0 } else { v });
+        if qa == 0.0 {
+            return;
+        }
+        let disc = qb * qb - 4.0 * qa * qc;
+        if disc >= 0.0 {
+            let root = disc.sqrt();
+            push((-qb + root) / (2.0 * qa));
+            push((-qb - root) / (2.0 * qa));
+        }
+        return;
+    }
+    let lead = c.iter().take_while(|v| v.abs() < EPSILON).count();
+    if n.saturating_sub(lead) <= 1 {
+        return;
+    }
+    let roots = solve_polynomial(c, s.sturm, 1e-4);
+    for (k, t) in roots.iter().enumerate() {
+        if !roots[..k].contains(t) {
+            push(*t);
+        }
+    }
+}
+
+/// Coefficients along the ray for orders below `N`, from the lowest up.
+fn substitute<const N: usize>(s: &PolyShape, ray: &LocalRay, out: &mut [f64; MAX_ORDER + 1]) {
+    let mut powers = [[[0.0; N]; N]; 3];
+    let n = s.order as usize;
+    for (axis, p) in powers.iter_mut().enumerate() {
+        let (o, d) = (ray.origin[axis], ray.dir[axis]);
+        p[0][0] = 1.0;
+        for k in 1..=n {
+            for i in 0..k {
+                let below = p[k - 1][i];
+                p[k][i] += below * o;
+                p[k][i + 1] += below * d;
+            }
+        }
+    }
+    for term in &s.terms {
+        let [i, j, k] = term.powers.map(usize::from);
+        let mut xy = [0.0; N];
+        for a in 0..=i {
+            for b in 0..=j {
+                xy[a + b] += powers[0][i][a] * powers[1][j][b];
+            }
+        }
+        for (a, v) in xy[..=i + j].iter().enumerate() {
+            let v = v * term.factor;
+            for c in 0..=k {
+                out[a + c] += v * powers[2][k][c];
+            }
+        }
+    }
+}
+
+/// The same for any order.
+#[inline(never)]
+fn substitute_high(s: &PolyShape, ray: &LocalRay, out: &mut [f64; MAX_ORDER + 1]) {
+    const _: () = assert!(std::mem::size_of::<Powers>() < 1 << 14);
+    substitute::<{ MAX_ORDER + 1 }>(s, ray, out);
+}
+
+/// The polynomial at a point; below 1e-4 is inside.
+pub fn poly_value(s: &PolyShape, p: DVec3) -> f64 {
+    s.terms.iter().map(|t| t.factor * p.x.powi(t.powers[0].into()) * p.y.powi(t.powers[1].into()) * p.z.powi(t.powers[2].into())).sum()
+}
+
+/// Gradient; x where it vanishes.
+pub fn poly_normal(s: &PolyShape, p: DVec3) -> DVec3 {
+    let mut n = DVec3::ZERO;
+    for t in &s.terms {
+        let [i, j, k] = t.powers.map(i32::from);
+        let (x, y, z) = (p.x.powi(i), p.y.powi(j), p.z.powi(k));
+        let slope = |v: f64, e: i32| if e == 0 { 0.0 } else { f64::from(e) * v.powi(e - 1) };
+        n += t.factor * DVec3::new(slope(p.x, i) * y * z, x * slope(p.y, j) * z, x * y * slope(p.z, k));
+    }
+    if n == DVec3::ZERO { DVec3::X } else { n }
+}
+
+/// Half size of the box that a superellipsoid is looked for in.
+const SUPERELLIPSOID_REACH: f64 = 1.01;
+
+/// (a^p + b^p)^(1/p), safe for large powers.
+#[inline]
+fn norm(a: f64, b: f64, p: f64) -> f64 {
+    let (small, large) = if a < b { (a, b) } else { (b, a) };
+    if large == 0.0 {
+        return 0.0;
+    }
+    let r = small / large;
+    large * (1.0 + r.powf(p)).powf(1.0 / p)
+}
+
+/// The norm less 1: negative inside.
+#[inline]
+pub fn superellipsoid_value(s: &SuperellipsoidShape, p: DVec3) -> f64 {
+    norm(norm(p.x.abs(), p.y.abs(), s.xy_power), p.z.abs(), s.z_power) - 1.0
+}
+
+/// Piecewise search between the planes where the surface may bend; only the first hit unless `all`.
+pub fn intersect_superellipsoid(s: &SuperellipsoidShape, ray: &LocalRay, all: bool, sink: &mut impl HitSink) {
+    let (o, d) = (ray.origin, ray.dir);
+    let (mut t0, mut t1) = (0.0f64, MAX_DISTANCE);
+    for k in 0..3 {
+        if d[k].abs() < EPSILON {
+            if o[k].abs() > SUPERELLIPSOID_REACH {
+                return;
+            }
+            continue;
+        }
+        let (a, b) = ((-SUPERELLIPSOID_REACH - o[k]) / d[k], (SUPERELLIPSOID_REACH - o[k]) / d[k]);
+        t0 = t0.max(a.min(b));
+        t1 = t1.min(a.max(b));
+    }
+    if t0 >= t1 {
+        return;
+    }
+    let planes = [
+        (o.x + o.y, d.x + d.y),
+        (o.x - o.y, d.x - d.y),
+        (o.x + o.z, d.x + d.z),
+        (o.x - o.z, d.x - d.z),
+        (o.y + o.z, d.y + d.z),
+        (o.y - o.z, d.y - d.z),
+        (o.x, d.x),
+        (o.y, d.y),
+        (o.z, d.z),
+    ];
+    let mut cuts = [f64::INFINITY; 11];
+    cuts[0] = t0;
+    let mut n = 1;
+    for (p, q) in planes {
+        if q.abs() > EPSILON {
+            let t = -p / q;
+            if t > t0 && t < t1 {
+                cuts[n] = t;
+                n += 1;
+            }
+        }
+    }
+    cuts[n] = t1;
+    n += 1;
+    cuts[..n].sort_unstable_by(f64::total_cmp);
+    let value = |t: f64| superellipsoid_value(s, ray.at(t));
+    let mut va = value(cuts[0]);
+    // A start on the surface counts as inside or outside by the next piece only.
+    if va.abs() < EPSILON {
+        sink_at(cuts[0], sink);
+        if !all && cuts[0] > 1e-4 {
+            return;
+        }
+    }
+    for w in cuts[..n].windows(2) {
+        let vb = value(w[1]);
+        if vb.abs() < EPSILON {
+            if sink_at(w[1], sink) && !all {
+                return;
+            }
+        } else if va * vb < 0.0 && va.abs() >= EPSILON {
+            if sink_at(refine(&value, w[0], va, w[1], vb), sink) && !all {
+                return;
+            }
+        } else if va > 0.0 && vb > 0.0 {
+            if let Some(inner) = dip(&value, w[0], va, w[1], vb) {
+                let vi = value(inner);
+                if vi < 0.0 {
+                    let first = sink_at(refine(&value, w[0], va, inner, vi), sink);
+                    if first && !all {
+                        return;
+                    }
+                    if sink_at(refine(&value, inner, vi, w[1], vb), sink) && !all {
+                        return;
+                    }
+                } else if sink_at(inner, sink) && !all {
+                    return;
+                }
+            }
+        }
+        va = vb;
+    }
+}
+
+fn sink_at(t: f64, sink: &mut impl HitSink) -> bool {
+    let seen = t > 1e-4 && t < MAX_DISTANCE;
+    if seen {
+        sink.push(t, Part::default());
+    }
+    seen
+}
+
+/// Closes in on a sign change by chords and halvings.
+fn refine(f: &impl Fn(f64) -> f64, mut a: f64, mut fa: f64, mut b: f64, mut fb: f64) -> f64 {
+    let mut t = a;
+    for k in 0..60 {
+        t = if k % 3 == 2 { 0.5 * (a + b) } else { a - fa * (b - a) / (fb - fa) };
+        let v = f(t);
+        if v.abs() < EPSILON || (b - a).abs() < 1e-14 {
+            break;
+        }
+        if (v < 0.0) == (fa < 0.0) { (a, fa) = (t, v) } else { (b, fb) = (t, v) }
+    }
+    t
+}
+
+/// A place where the function dips to the surface or below between two positive ends. It is convex there: within a piece the norm is one.
+fn dip(f: &impl Fn(f64) -> f64, a: f64, fa: f64, b: f64, fb: f64) -> Option<f64> {
+    // Tangents at both ends of a convex function bound it from below.
+    let h = 1e-6 * (b - a);
+    let (sa, sb) = ((f(a + h) - fa) / h, (fb - f(b - h)) / h);
+    if sa >= 0.0 || sb <= 0.0 {
+        return None;
+    }
+    let (mut lo, mut hi) = (a, b);
+    for _ in 0..40 {
+        let mid = 0.5 * (lo + hi);
+        let v = f(mid);
+        if v < EPSILON {
+            return Some(mid);
+        }
+        let step = 1e-6 * (hi - lo);
+        let slope = (f(mid + step) - v) / step;
+        // Newton from here would have to reach the surface before the other end.
+        if slope < 0.0 {
+            if v + slope * (hi - mid) > 0.0 {
+                return None;
+            }
+            lo = mid;
+        } else {
+            if v - slope * (mid - lo) > 0.0 {
+                return None;
+            }
+            hi = mid;
+        }
+    }
+    None
+}
+
+/// Gradient of the norm; x where it vanishes.
+pub fn superellipsoid_normal(s: &SuperellipsoidShape, p: DVec3) -> DVec3 {
+    let q = p.abs();
+    let xy = norm(q.x, q.y, s.xy_power);
+    let all = norm(xy, q.z, s.z_power);
+    if all == 0.0 {
+        return DVec3::X;
+    }
+    let along = |part: f64, whole: f64, power: f64| if whole == 0.0 { 0.0 } else { (part / whole).powf(power - 1.0) };
+    let outer = along(xy, all, s.z_power);
+    let n = DVec3::new(outer * along(q.x, xy, s.xy_power), outer * along(q.y, xy, s.xy_power), along(q.z, all, s.z_power));
+    let n = DVec3::new(n.x * p.x.signum(), n.y * p.y.signum(), n.z * p.z.signum());
+    if n == DVec3::ZERO || n.is_nan() { DVec3::X } else { n }
+}
