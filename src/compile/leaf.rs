@@ -1,15 +1,15 @@
 //! One shape into its table: folds transforms in where POV-Ray does, and finds the box around its surface.
 
+use super::NONE;
 use super::geometry::PrimKind;
-use super::shape::simple::frame_along;
 use super::shape::mesh::patch_mesh;
+use super::shape::simple::frame_along;
 use super::shape::{
-    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HeightFieldShape, LatheShape, MeshShape, PlaneShape,
-    PolyShape, PolygonShape, PrismShape, QuadricShape, Shapes, SorShape, SphereShape, SuperellipsoidShape, TorusShape, TriangleShape,
+    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HeightFieldShape, LatheShape, MeshShape, PlaneShape, PolyShape,
+    PolygonShape, PrismShape, QuadricShape, Shapes, SorShape, SphereShape, SuperellipsoidShape, TorusShape, TriangleShape,
 };
 use super::tables::TransformTable;
 use super::texture_stub::TextureBuilder;
-use super::NONE;
 use crate::math::{BOUND_HUGE, Bounds, DMat3, DVec3, EPSILON, Transform};
 use crate::scene::shape::Glyph;
 use crate::scene::{Mesh, Object, Shape};

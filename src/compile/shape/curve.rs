@@ -87,21 +87,13 @@ fn quadratic(p: &[DVec2]) -> CurveSegment {
 
 fn cubic(p: &[DVec2]) -> CurveSegment {
     CurveSegment::new(
-        [
-            -0.5 * p[0] + 1.5 * p[1] - 1.5 * p[2] + 0.5 * p[3],
-            p[0] - 2.5 * p[1] + 2.0 * p[2] - 0.5 * p[3],
-            0.5 * (p[2] - p[0]),
-            p[1],
-        ],
+        [-0.5 * p[0] + 1.5 * p[1] - 1.5 * p[2] + 0.5 * p[3], p[0] - 2.5 * p[1] + 2.0 * p[2] - 0.5 * p[3], 0.5 * (p[2] - p[0]), p[1]],
         3,
     )
 }
 
 fn bezier(p: &[DVec2]) -> CurveSegment {
-    CurveSegment::new(
-        [p[3] - 3.0 * p[2] + 3.0 * p[1] - p[0], 3.0 * p[2] - 6.0 * p[1] + 3.0 * p[0], 3.0 * (p[1] - p[0]), p[0]],
-        3,
-    )
+    CurveSegment::new([p[3] - 3.0 * p[2] + 3.0 * p[1] - p[0], 3.0 * p[2] - 6.0 * p[1] + 3.0 * p[0], 3.0 * (p[1] - p[0]), p[0]], 3)
 }
 
 /// Segments of an open curve through `points` (lathe).

@@ -44,11 +44,7 @@ pub fn quadric_value(s: &QuadricShape, p: DVec3) -> f64 {
 /// Gradient; x where it vanishes.
 pub fn quadric_normal(s: &QuadricShape, p: DVec3) -> DVec3 {
     let [a, b, c, d, e, f, g, h, i, _] = s.c;
-    let n = DVec3::new(
-        2.0 * a * p.x + d * p.y + e * p.z + g,
-        d * p.x + 2.0 * b * p.y + f * p.z + h,
-        e * p.x + f * p.y + 2.0 * c * p.z + i,
-    );
+    let n = DVec3::new(2.0 * a * p.x + d * p.y + e * p.z + g, d * p.x + 2.0 * b * p.y + f * p.z + h, e * p.x + f * p.y + 2.0 * c * p.z + i);
     if n == DVec3::ZERO { DVec3::X } else { n }
 }
 
@@ -59,7 +55,11 @@ type Powers = [[f64; MAX_ORDER + 1]; MAX_ORDER + 1];
 pub fn intersect_poly(s: &PolyShape, ray: &LocalRay, sink: &mut impl HitSink) {
     let n = s.order as usize;
     let mut along = [0.0; MAX_ORDER + 1];
-    if n <= 4 { substitute::<5>(s, ray, &mut along) } else { substitute_high(s, ray, &mut along) }
+    if n <= 4 {
+        substitute::<5>(s, ray, &mut along)
+    } else {
+        substitute_high(s, ray, &mut along)
+    }
     along[..=n].reverse();
     let c = &along[..=n];
     let mut push = |t: f64| {
