@@ -338,7 +338,7 @@ fn axis_of(a: DVec3, b: DVec3) -> Result<(DVec3, f64), NoLeaf> {
 }
 
 /// The factor by which the transform scales all lengths, if there is one.
-fn uniform_scale(t: &Transform) -> Option<f64> {
+pub(super) fn uniform_scale(t: &Transform) -> Option<f64> {
     let m = t.forward.matrix3;
     let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
     let s = x.length_squared();

@@ -2,6 +2,7 @@
 //!
 //! Data holds indices only, named on the GPU as here. Nothing here traces a ray.
 
+pub mod extent;
 mod features;
 mod flatten;
 pub mod geometry;
@@ -185,6 +186,13 @@ pub enum CompileError {
         /// The limit.
         limit: usize,
     },
+}
+
+/// Compiles one object that is asked about before its scene is complete: geometry only, without covers; it is object 0.
+pub fn compile_object(object: &crate::scene::Object, sink: &mut Sink) -> Result<Geometry, CompileError> {
+    let mut flattener = Flattener::new(Default::default(), usize::MAX, sink);
+    flattener.add_hidden(object)?;
+    Ok(flattener.finish().0)
 }
 
 /// Compiles a scene. What cannot be rendered yet is left out with a note in `sink`, once a kind.

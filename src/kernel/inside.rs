@@ -68,8 +68,13 @@ pub fn run_program(g: &Geometry, program: InsideProgram, own: u32, p: DVec3) -> 
 
 /// Whether world point `p` is inside object `object_ix` of `Geometry::objects` as a whole.
 pub fn inside_object(scene: &CompiledScene, object_ix: u32, p: DVec3) -> bool {
-    let program = scene.geometry.objects[object_ix as usize].inside;
-    program.len > 0 && run_program(&scene.geometry, program, u32::MAX, p)
+    inside_object_of(&scene.geometry, object_ix, p)
+}
+
+/// The same for geometry alone.
+pub fn inside_object_of(g: &Geometry, object_ix: u32, p: DVec3) -> bool {
+    let program = g.objects[object_ix as usize].inside;
+    program.len > 0 && run_program(g, program, u32::MAX, p)
 }
 
 /// Fills `out` with the interiors of all visible objects that contain `p`, in the order of the file. Source: spec/light.md, section 1.

@@ -43,7 +43,11 @@ pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_
 
 /// Nearest hit of `ray` with object `object_ix` (visible or hidden) alone.
 pub fn intersect_object(scene: &CompiledScene, object_ix: u32, ray: &Ray, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
-    let g = &scene.geometry;
+    intersect_object_of(&scene.geometry, object_ix, ray, t_min, t_max)
+}
+
+/// The same for geometry alone.
+pub fn intersect_object_of(g: &Geometry, object_ix: u32, ray: &Ray, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
     let object = &g.objects[object_ix as usize];
     let mut nearest = Nearest::new(g, ray, t_min, t_max);
     let slabs = Slabs::new(ray);
