@@ -3,11 +3,11 @@
 
 #[cfg(test)]
 mod geometry_tests;
-#[cfg(test)]
-mod reference_tests;
 pub mod inside;
 pub mod intersect;
 pub mod query;
+#[cfg(test)]
+mod reference_tests;
 pub mod traverse;
 
 use crate::math::{DVec2, DVec3};

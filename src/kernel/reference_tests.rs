@@ -127,7 +127,10 @@ fn cylinder_and_cone() {
     traces(&k, v(0.1, 1.0, -5.0), DVec3::Z, v(0.1, 1.0, -0.642261628933), v(0.145208977902, 0.330350424728, -0.932621546834));
     inside(&k, v(0.0, 1.0, 0.64), true);
     inside(&k, v(0.0, 1.0, 0.66), false);
-    let scaled = moved(object(Shape::Cylinder { a: DVec3::ZERO, b: 2.0 * DVec3::Y, radius: 1.0, open: false }), &[Transform::scaling(v(1.0, 2.0, 3.0))]);
+    let scaled = moved(
+        object(Shape::Cylinder { a: DVec3::ZERO, b: 2.0 * DVec3::Y, radius: 1.0, open: false }),
+        &[Transform::scaling(v(1.0, 2.0, 3.0))],
+    );
     traces_to(&scaled, v(0.2, 1.0, -10.0), DVec3::Z, v(0.2, 1.0, -2.939387691), v(0.522232968, 0.0, -0.852802865), 1e-8);
     let tip = object(Shape::Cone { a: DVec3::ZERO, radius_a: 0.0, b: DVec3::Y, radius_b: 1.0, open: false });
     let h = -std::f64::consts::FRAC_1_SQRT_2;
@@ -246,9 +249,8 @@ fn surface_of_revolution() {
 
 #[test]
 fn prisms() {
-    let prism = |kind, conic, low, list: &[(f64, f64)]| {
-        object(Shape::Prism { kind, conic, low, high: 1.0, points: points(list), open: false })
-    };
+    let prism =
+        |kind, conic, low, list: &[(f64, f64)]| object(Shape::Prism { kind, conic, low, high: 1.0, points: points(list), open: false });
     let p = prism(CurveKind::Linear, false, 0.0, &[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)]);
     traces(&p, v(0.3, 0.4, -5.0), DVec3::Z, v(0.3, 0.4, 0.0), -DVec3::Z);
     traces(&p, v(0.3, 5.0, 0.4), -DVec3::Y, v(0.3, 1.0, 0.4), DVec3::Y);
@@ -268,12 +270,8 @@ fn prisms() {
         &[(-1.0, -1.0), (1.0, -1.0), (1.5, 0.0), (1.0, 1.0), (-1.0, 1.0), (-1.2, 0.0), (1.0, -1.0)],
     );
     traces(&q, v(5.0, 0.5, 0.2), -DVec3::X, v(1.48, 0.5, 0.2), v(0.980580675691, 0.0, 0.196116135138));
-    let cu = prism(
-        CurveKind::Cubic,
-        false,
-        0.0,
-        &[(-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)],
-    );
+    let cu =
+        prism(CurveKind::Cubic, false, 0.0, &[(-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]);
     traces(&cu, v(5.0, 0.5, 0.2), -DVec3::X, v(1.243533263179, 0.5, 0.2), v(0.997871697628, 0.0, 0.065207937200));
     let b = prism(
         CurveKind::Bezier,
@@ -364,11 +362,7 @@ fn clips_bounds_and_transforms() {
     extends(&b, DVec3::splat(-0.5), DVec3::splat(0.5));
     let e = moved(
         sphere(DVec3::ZERO, 1.0),
-        &[
-            Transform::scaling(v(1.0, 2.0, 3.0)),
-            Transform::rotation_deg(v(10.0, 20.0, 30.0)),
-            Transform::translation(v(1.0, 2.0, 3.0)),
-        ],
+        &[Transform::scaling(v(1.0, 2.0, 3.0)), Transform::rotation_deg(v(10.0, 20.0, 30.0)), Transform::translation(v(1.0, 2.0, 3.0))],
     );
     traces(&e, v(0.5, 1.5, -10.0), DVec3::Z, v(0.5, 1.5, 0.296024406215), v(0.426842132791, -0.041662273710, -0.903365954984));
     extends(&e, v(-1.831303834915, -0.289059489965, -0.444621711969), v(3.831303834915, 4.289059162140, 6.444622039795));
@@ -377,11 +371,7 @@ fn clips_bounds_and_transforms() {
     traces(&m, v(1.0, 2.0, -10.0), DVec3::Z, v(1.0, 2.0, 2.006111464265), v(-0.055401492004, 0.120775252568, -0.991132691949));
     let r = moved(sphere(DVec3::X, 0.2), &[Transform::rotation_deg(v(0.0, 90.0, 0.0))]);
     traces(&r, Z5, DVec3::Z, v(0.0, 0.0, -1.2), -DVec3::Z);
-    let turns = [
-        Transform::scaling(DVec3::splat(2.0)),
-        Transform::rotation_deg(v(0.0, 0.0, 30.0)),
-        Transform::translation(DVec3::X),
-    ];
+    let turns = [Transform::scaling(DVec3::splat(2.0)), Transform::rotation_deg(v(0.0, 0.0, 30.0)), Transform::translation(DVec3::X)];
     traces_to(&moved(plane(DVec3::Y, 1.0), &turns), 10.0 * DVec3::Y, -DVec3::Y, v(0.0, 1.732050808, 0.0), v(-0.5, 0.866025404, 0.0), 1e-8);
     extends(&object(Shape::Quadric { coefficients: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0] }), -DVec3::ONE, DVec3::ONE);
 }
