@@ -3,8 +3,10 @@
 
 pub mod bounds;
 pub mod color;
+pub mod random;
 pub mod ray;
 pub mod roots;
+pub mod statistics;
 pub mod transform;
 
 pub use bounds::Bounds;
