@@ -5,8 +5,9 @@ use super::geometry::PrimKind;
 use super::shape::mesh::patch_mesh;
 use super::shape::simple::frame_along;
 use super::shape::{
-    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HeightFieldShape, LatheShape, MeshShape, PlaneShape, PolyShape,
-    PolygonShape, PrismShape, QuadricShape, Shapes, SorShape, SphereShape, SuperellipsoidShape, TorusShape, TriangleShape,
+    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HeightFieldShape, JuliaShape, LatheShape, MeshShape, OvusShape,
+    PlaneShape, PolyShape, PolygonShape, PrismShape, QuadricShape, Shapes, SorShape, SphereShape, SphereSweepShape, SuperellipsoidShape,
+    TorusShape, TriangleShape,
 };
 use super::tables::TransformTable;
 use super::texture_stub::TextureBuilder;
@@ -249,6 +250,21 @@ pub(super) fn add_leaf(
             let inside_bounds = padded(below.transformed(&transform));
             let shape_ix = push(&mut shapes.height_fields, shape);
             Ok(Leaf { kind: PrimKind::HeightField, shape_ix, transform, surface_bounds, inside_bounds, solid: true })
+        }
+        Shape::Ovus { bottom, top } => {
+            let shape = OvusShape::new(*bottom, *top).ok_or(NoLeaf::Nothing)?;
+            placed(PrimKind::Ovus, push(&mut shapes.ovi, shape), shape.bounds())
+        }
+        Shape::SphereSweep { kind, spheres, .. } => {
+            let shape = SphereSweepShape::new(*kind, spheres).ok_or(NoLeaf::Nothing)?;
+            let bounds = shape.bounds;
+            placed(PrimKind::SphereSweep, push(&mut shapes.sphere_sweeps, shape), bounds)
+        }
+        Shape::JuliaFractal { c, hypercomplex, function, max_iteration, precision, slice, slice_distance } => {
+            let shape = JuliaShape::new(*c, *hypercomplex, *function, *max_iteration, *precision, *slice, *slice_distance);
+            let shape = shape.ok_or(NoLeaf::Nothing)?;
+            let r = DVec3::splat(shape.radius);
+            placed(PrimKind::JuliaFractal, push(&mut shapes.julias, shape), Bounds { min: -r, max: r })
         }
         Shape::Csg { .. } | Shape::Group { .. } | Shape::LightGroup { .. } | Shape::Light(_) | Shape::Text { .. } | Shape::Mesh(_) => {
             Err(NoLeaf::Nothing)

@@ -1,8 +1,8 @@
 //! Shapes against numbers that POV-Ray 3.7.0.10 printed for them (spec/objects_tests/t1, t3, t8, t10): `trace()`, `inside()`, extents.
 
 use super::query::KernelQuery;
-use crate::math::{DVec2, DVec3, Ray, Transform, Vec3};
-use crate::scene::shape::{BlobComponent, BlobKind, CurveKind, HeightGrid};
+use crate::math::{DVec2, DVec3, DVec4, Ray, Transform, Vec3};
+use crate::scene::shape::{BlobComponent, BlobKind, CurveKind, HeightGrid, JuliaFunction, SweepKind};
 use crate::scene::{Csg, Mesh, Object, SceneQuery, Shape};
 use std::sync::Arc;
 
@@ -422,4 +422,49 @@ fn height_fields() {
     let water = field(|x, y| x * 0.5 + y * 0.25, 0.3, false);
     misses(&water, v(0.05, 5.0, 0.05), down);
     inside(&water, v(0.5, -3.0, 0.5), true);
+}
+
+#[test]
+fn ovus() {
+    let o = object(Shape::Ovus { bottom: 1.0, top: 0.6 });
+    traces(&o, v(0.1, 5.0, 0.05), -DVec3::Y, v(0.1, 1.589491306128, 0.05), v(0.166666666667, 0.982485510213, 0.083333333333));
+    traces(&o, v(0.1, -5.0, 0.05), DVec3::Y, v(0.1, -0.993730345718, 0.05), v(0.1, -0.993730345718, 0.05));
+    traces(&o, v(0.1, 0.7, -5.0), DVec3::Z, v(0.1, 0.7, -0.875357454435), v(0.106739059564, 0.34, -0.934348314690));
+    inside(&o, 0.2 * DVec3::Y, true);
+    let o = object(Shape::Ovus { bottom: 1.0, top: 1.5 });
+    traces(&o, v(0.1, 0.7, -5.0), DVec3::Z, v(0.1, 0.7, -1.466287829862), v(0.066666666667, -0.2, -0.977525219908));
+}
+
+#[test]
+fn sphere_sweeps() {
+    let sweep = |kind, list: &[(f64, f64, f64, f64)]| {
+        object(Shape::SphereSweep { kind, spheres: list.iter().map(|s| (v(s.0, s.1, s.2), s.3)).collect(), tolerance: 1e-6 })
+    };
+    let five = [(0.0, 0.0, 0.0, 0.5), (2.0, 0.0, 0.0, 0.3), (2.0, 2.0, 0.0, 0.2), (0.0, 3.0, 0.0, 0.3), (0.0, 4.0, 1.0, 0.3)];
+    let linear = sweep(SweepKind::Linear, &five[..3]);
+    traces(&linear, v(1.0, 0.05, -5.0), DVec3::Z, v(1.0, 0.05, -0.398893672068), v(0.1, 0.12375, -0.987261838369));
+    inside(&linear, v(1.0, 0.3, 0.0), true);
+    let cubic = sweep(SweepKind::Cubic, &five);
+    traces(&cubic, v(2.1, 1.0, -5.0), DVec3::Z, v(2.1, 1.0, -0.172925386397), v(-0.653569445235, 0.033043829367, -0.756144883998));
+    misses(&cubic, v(1.0, 0.0, -5.0), DVec3::Z);
+    let spline = sweep(SweepKind::BSpline, &five);
+    traces(&spline, v(1.9, 1.0, -5.0), DVec3::Z, v(1.9, 1.0, -0.257278806711), v(-0.062649975238, 0.057998546150, -0.996348909392));
+    let deep = sweep(SweepKind::Linear, &[(0.0, 0.0, 0.0, 5.0), (1.0, 0.0, 0.0, 5.0)]);
+    inside(&deep, DVec3::ZERO, false);
+    inside(&deep, v(0.5, 4.9, 0.0), false);
+    inside(&deep, v(-3.0, 0.0, 0.0), false);
+}
+
+#[test]
+fn julia_fractals() {
+    let julia = |c, hypercomplex, function, max_iteration| {
+        object(Shape::JuliaFractal { c, hypercomplex, function, max_iteration, precision: 15.0, slice: DVec4::W, slice_distance: 0.0 })
+    };
+    let q = julia(DVec4::new(-0.083, 0.0, -0.83, -0.025), false, JuliaFunction::Sqr, 8);
+    let n = v(0.854707628309, 0.141787631672, -0.499370741650);
+    traces_to(&q, v(0.1, 0.2, -5.0), DVec3::Z, v(0.1, 0.2, -0.341339583216), n, 2e-5);
+    inside(&q, v(0.1, 0.2, 0.1), true);
+    let h = julia(DVec4::new(0.1, 0.2, 0.3, 0.1), true, JuliaFunction::Exp, 6);
+    inside(&h, v(0.1, 0.2, 0.9), false);
+    inside(&h, v(0.1, 0.2, 0.2), false);
 }

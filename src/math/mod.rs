@@ -3,6 +3,7 @@
 
 pub mod bounds;
 pub mod color;
+pub mod complex;
 pub mod random;
 pub mod ray;
 pub mod roots;

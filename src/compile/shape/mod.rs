@@ -5,15 +5,19 @@ pub mod algebraic;
 pub mod blob;
 pub mod curve;
 pub mod height;
+pub mod implicit;
 pub mod mesh;
 pub mod simple;
+pub mod sweep;
 pub mod swept;
 
 pub use algebraic::{PolyShape, QuadricShape, SuperellipsoidShape};
 pub use blob::BlobShape;
 pub use height::HeightFieldShape;
+pub use implicit::{IsosurfaceShape, JuliaShape, ParametricShape};
 pub use mesh::MeshShape;
 pub use simple::{BoxShape, ConeShape, CylinderShape, DiscShape, PlaneShape, SphereShape, TorusShape, TriangleShape};
+pub use sweep::{OvusShape, SphereSweepShape};
 pub use swept::{GlyphShape, LatheShape, PolygonShape, PrismShape, SorShape};
 
 /// Tables of shapes, one a kind of primitive.
@@ -39,4 +43,9 @@ pub struct Shapes {
     pub superellipsoids: Vec<SuperellipsoidShape>,
     pub height_fields: Vec<HeightFieldShape>,
     pub glyphs: Vec<GlyphShape>,
+    pub ovi: Vec<OvusShape>,
+    pub sphere_sweeps: Vec<SphereSweepShape>,
+    pub julias: Vec<JuliaShape>,
+    pub isosurfaces: Vec<IsosurfaceShape>,
+    pub parametrics: Vec<ParametricShape>,
 }

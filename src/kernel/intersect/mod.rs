@@ -6,14 +6,17 @@ pub mod algebraic;
 pub mod blob;
 pub mod curves;
 pub mod height_field;
+pub mod implicit;
+pub mod julia;
 pub mod mesh;
 pub mod quadrics;
 pub mod simple;
+pub mod sweep;
 pub mod torus;
 pub mod triangle;
 
 use crate::compile::geometry::{Geometry, Prim, PrimKind, prim_flags};
-use crate::math::{DVec2, DVec3, EPSILON, Transform};
+use crate::math::{Bounds, DVec2, DVec3, EPSILON, Transform};
 
 /// Where on a shape a hit lies, kept until the normal is wanted. What the numbers mean is the shape's business.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -84,6 +87,9 @@ pub fn intersect_shape(g: &Geometry, prim: &Prim, ray: &LocalRay, sink: &mut imp
         PrimKind::Superellipsoid => algebraic::intersect_superellipsoid(&s.superellipsoids[ix], ray, all(), sink),
         PrimKind::HeightField => height_field::intersect_height_field(&s.height_fields[ix], ray, all(), sink),
         PrimKind::Glyph => curves::intersect_glyph(&s.glyphs[ix], ray, sink),
+        PrimKind::Ovus => sweep::intersect_ovus(&s.ovi[ix], ray, sink),
+        PrimKind::SphereSweep => sweep::intersect_sphere_sweep(&s.sphere_sweeps[ix], ray, sink),
+        PrimKind::JuliaFractal => julia::intersect_julia(&s.julias[ix], ray, all(), sink),
         _ => {}
     }
 }
@@ -115,6 +121,9 @@ pub fn inside_shape(g: &Geometry, prim: &Prim, p: DVec3, inverted: bool) -> bool
             PrimKind::Superellipsoid => algebraic::superellipsoid_value(&s.superellipsoids[ix], p) < EPSILON,
             PrimKind::HeightField => height_field::inside_height_field(&s.height_fields[ix], p),
             PrimKind::Glyph => curves::inside_glyph(&s.glyphs[ix], p),
+            PrimKind::Ovus => sweep::inside_ovus(&s.ovi[ix], p),
+            PrimKind::SphereSweep => sweep::inside_sphere_sweep(&s.sphere_sweeps[ix], p),
+            PrimKind::JuliaFractal => julia::inside_julia(&s.julias[ix], p),
             _ => false,
         }
 }
@@ -152,6 +161,9 @@ fn shape_normal(g: &Geometry, prim: &Prim, p: DVec3, part: &Part) -> DVec3 {
         PrimKind::Prism => curves::prism_normal(&s.prisms[ix], part),
         PrimKind::Superellipsoid => algebraic::superellipsoid_normal(&s.superellipsoids[ix], p),
         PrimKind::Glyph => curves::glyph_normal(&s.glyphs[ix], part),
+        PrimKind::Ovus => sweep::ovus_normal(&s.ovi[ix], p, part),
+        PrimKind::SphereSweep => sweep::sphere_sweep_normal(&s.sphere_sweeps[ix], p, part),
+        PrimKind::JuliaFractal => julia::julia_normal(&s.julias[ix], p),
         _ => DVec3::Y,
     }
 }
@@ -171,8 +183,28 @@ pub fn shape_uv(g: &Geometry, prim: &Prim, p: DVec3, world: DVec3, part: &Part) 
         PrimKind::Mesh | PrimKind::BicubicPatch => mesh::mesh_uv(&s.meshes[ix], part),
         PrimKind::Lathe => curves::lathe_uv(&s.lathes[ix], p, part),
         PrimKind::Sor => curves::sor_uv(&s.sors[ix], p, part),
+        PrimKind::Ovus => sweep::ovus_uv(&s.ovi[ix], p),
         _ => DVec2::new(world.x, world.y),
     }
+}
+
+/// Whether a ray meets a box ahead of its start.
+#[inline]
+pub(crate) fn meets_box(b: &Bounds, ray: &LocalRay) -> bool {
+    let (mut t0, mut t1) = (0.0f64, f64::INFINITY);
+    for k in 0..3 {
+        let (o, d) = (ray.origin[k], ray.dir[k]);
+        if d.abs() < EPSILON {
+            if o < b.min[k] || o > b.max[k] {
+                return false;
+            }
+            continue;
+        }
+        let (x, y) = ((b.min[k] - o) / d, (b.max[k] - o) / d);
+        t0 = t0.max(x.min(y));
+        t1 = t1.min(x.max(y));
+    }
+    t0 <= t1
 }
 
 /// u: turns from +x towards +z; v: 0 at the south pole, 1 at the north pole. `d` need not be unit.

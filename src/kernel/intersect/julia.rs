@@ -1,0 +1,219 @@
+//! Julia fractals of quaternions and hypercomplex numbers: steps by an estimate of the distance, then bisection.
+//! Source: spec/objects.md, section 11.
+
+use super::{HitSink, LocalRay, Part};
+use crate::compile::shape::implicit::JuliaShape;
+use crate::math::complex::Complex;
+use crate::math::{DVec3, DVec4, MAX_DISTANCE};
+use crate::scene::shape::JuliaFunction;
+
+/// Hits nearer than this are not seen; bisection ends here.
+const TOLERANCE: f64 = 1e-7;
+/// Most steps along a ray.
+const MAX_STEPS: u32 = 2_000_000;
+
+fn start(s: &JuliaShape, p: DVec3) -> DVec4 {
+    p.extend(s.w0 + s.w_slope.dot(p))
+}
+
+/// The two complex numbers that a hypercomplex number acts as.
+fn parts(q: DVec4) -> (Complex, Complex) {
+    (Complex::new(q.x - q.w, q.y + q.z), Complex::new(q.x + q.w, q.y - q.z))
+}
+
+fn whole(a: Complex, b: Complex) -> DVec4 {
+    DVec4::new(0.5 * (a.re + b.re), 0.5 * (a.im + b.im), 0.5 * (a.im - b.im), 0.5 * (b.re - a.re))
+}
+
+/// A function of complex numbers and its derivative.
+fn complex_step(f: &JuliaFunction, z: Complex) -> (Complex, Complex) {
+    use JuliaFunction as J;
+    let one = Complex::ONE;
+    match f {
+        J::Sqr => (z * z, z.scale(2.0)),
+        J::Cube => (z * z * z, (z * z).scale(3.0)),
+        J::Exp => (z.exp(), z.exp()),
+        J::Reciprocal => (one / z, -(one / (z * z))),
+        J::Sin => (z.sin(), z.cos()),
+        J::Cos => (z.cos(), -z.sin()),
+        J::Tan => {
+            let (s, c) = (z.sin(), z.cos());
+            (s / c, one / (c * c))
+        }
+        J::Sinh => (z.sinh(), z.cosh()),
+        J::Cosh => (z.cosh(), z.sinh()),
+        J::Tanh => {
+            let (s, c) = (z.sinh(), z.cosh());
+            (s / c, one / (c * c))
+        }
+        J::Asin => (z.asin(), one / (one - z * z).sqrt()),
+        J::Acos => (z.acos(), -(one / (one - z * z).sqrt())),
+        J::Atan => (z.atan(), one / (one + z * z)),
+        J::Asinh => (z.asinh(), one / (one + z * z).sqrt()),
+        J::Acosh => (z.acosh(), one / ((z - one).sqrt() * (z + one).sqrt())),
+        J::Atanh => (z.atanh(), one / (one - z * z)),
+        J::Ln => (z.ln(), one / z),
+        J::Pwr(re, im) => {
+            let p = Complex::new(*re, *im);
+            (z.powc(p), p * z.powc(p - one))
+        }
+    }
+}
+
+/// One step without derivatives.
+fn step(s: &JuliaShape, q: DVec4) -> DVec4 {
+    if s.hypercomplex {
+        let (a, b) = parts(q);
+        return whole(complex_step(&s.function, a).0, complex_step(&s.function, b).0) + s.c;
+    }
+    let v = DVec3::new(q.y, q.z, q.w);
+    let d = v.length_squared();
+    let (x, k) = match s.function {
+        JuliaFunction::Cube => (q.x * (q.x * q.x - 3.0 * d), 3.0 * q.x * q.x - d),
+        _ => (q.x * q.x - d, 2.0 * q.x),
+    };
+    DVec4::new(x, k * q.y, k * q.z, k * q.w) + s.c
+}
+
+/// POV-Ray's slip: for most hypercomplex functions the inside test starts with z = y.
+fn test_start(s: &JuliaShape, p: DVec3) -> DVec4 {
+    let mut q = start(s, p);
+    let exact = matches!(s.function, JuliaFunction::Sqr | JuliaFunction::Cube | JuliaFunction::Reciprocal);
+    if s.hypercomplex && !exact {
+        q.z = q.y;
+    }
+    q
+}
+
+/// Whether the point does not escape.
+pub fn inside_julia(s: &JuliaShape, p: DVec3) -> bool {
+    !escapes(s, test_start(s, p))
+}
+
+fn escapes(s: &JuliaShape, mut q: DVec4) -> bool {
+    for _ in 0..s.max_iteration {
+        // NaN counts as escaped.
+        if !(q.length_squared() <= s.escape_sq) {
+            return true;
+        }
+        q = step(s, q);
+    }
+    false
+}
+
+/// Whether the point is inside, and how far a ray may go on.
+fn look(s: &JuliaShape, p: DVec3) -> (bool, f64) {
+    let least = 1.0 / s.precision;
+    if s.hypercomplex {
+        let mut q = start(s, p);
+        let mut slope = 1.0f64;
+        for _ in 0..s.max_iteration {
+            let n = q.length_squared();
+            if !(n <= s.escape_sq) {
+                let d = 0.5 * n.sqrt() * n.ln() / slope;
+                return (false, if d > least && d < 30.0 * least { d } else { least });
+            }
+            let (a, b) = parts(q);
+            let ((fa, da), (fb, db)) = (complex_step(&s.function, a), complex_step(&s.function, b));
+            slope *= da.re.hypot(da.im).max(db.re.hypot(db.im)).max(1e-13);
+            q = whole(fa, fb) + s.c;
+        }
+        return (true, least);
+    }
+    let mut q = start(s, p);
+    let cube = s.function == JuliaFunction::Cube;
+    let mut slope = 1.0f64;
+    for _ in 0..s.max_iteration {
+        let n = q.length_squared();
+        if !(n <= s.escape_sq) {
+            let d = 0.5 * n.sqrt() * n.ln() / slope.max(1e-13);
+            return (false, if d.is_finite() { d.max(least) } else { least });
+        }
+        slope *= if cube { 3.0 * n } else { 2.0 * n.sqrt() };
+        q = step(s, q);
+    }
+    (true, least)
+}
+
+/// Changes between inside and outside along the ray; only the first unless `all`.
+pub fn intersect_julia(s: &JuliaShape, ray: &LocalRay, all: bool, sink: &mut impl HitSink) {
+    let b = -ray.origin.dot(ray.dir);
+    let d = b * b - ray.origin.length_squared() + s.radius * s.radius;
+    if d < 0.0 {
+        return;
+    }
+    let (mut t, end) = ((b - d.sqrt()).max(TOLERANCE), b + d.sqrt());
+    if end < t {
+        return;
+    }
+    let (mut was_inside, mut ahead) = look(s, ray.at(t));
+    for _ in 0..MAX_STEPS {
+        let before = t;
+        t += ahead;
+        if t > end || t > MAX_DISTANCE || t > sink.far() + ahead {
+            return;
+        }
+        let (now_inside, next) = look(s, ray.at(t));
+        if now_inside != was_inside {
+            // Halve back to where it changed.
+            let (mut low, mut high) = (before, t);
+            while high - low > TOLERANCE {
+                let mid = 0.5 * (low + high);
+                if inside_julia(s, ray.at(mid)) == was_inside { low = mid } else { high = mid }
+            }
+            let hit = 0.5 * (low + high);
+            if hit > TOLERANCE {
+                sink.push(hit, Part::default());
+                if !all {
+                    return;
+                }
+            }
+        }
+        (was_inside, ahead) = (now_inside, next);
+    }
+}
+
+/// Gradient of the squared length after the last iteration.
+pub fn julia_normal(s: &JuliaShape, p: DVec3) -> DVec3 {
+    let mut q = start(s, p);
+    // Derivatives along x, y and z, carried forward.
+    let mut d = [DVec3::X, DVec3::Y, DVec3::Z].map(|e| e.extend(s.w_slope.dot(e)));
+    for _ in 0..s.max_iteration {
+        if s.hypercomplex {
+            let (a, b) = parts(q);
+            let ((fa, da), (fb, db)) = (complex_step(&s.function, a), complex_step(&s.function, b));
+            d = d.map(|v| {
+                let (va, vb) = parts(v);
+                whole(va * da, vb * db)
+            });
+            q = whole(fa, fb) + s.c;
+        } else {
+            let v = DVec3::new(q.y, q.z, q.w);
+            let n = v.length_squared();
+            d = d.map(|e| {
+                let ev = DVec3::new(e.y, e.z, e.w);
+                let along = 2.0 * v.dot(ev);
+                let (x, u) = match s.function {
+                    JuliaFunction::Cube => (
+                        e.x * (3.0 * q.x * q.x - 3.0 * n) - 3.0 * q.x * along,
+                        ev * (3.0 * q.x * q.x - n) + v * (6.0 * q.x * e.x - along),
+                    ),
+                    _ => (2.0 * q.x * e.x - along, 2.0 * (q.x * ev + e.x * v)),
+                };
+                DVec4::new(x, u.x, u.y, u.z)
+            });
+            q = step(s, q);
+        }
+        // Lengths may run away in a few steps; directions are all that counts.
+        let scale = d.iter().map(|v| v.length()).fold(0.0, f64::max);
+        if !(scale > 0.0 && scale.is_finite() && q.is_finite()) {
+            break;
+        }
+        d = d.map(|v| v / scale);
+        if q.length_squared() > 1e12 {
+            break;
+        }
+    }
+    let n = DVec3::new(q.dot(d[0]), q.dot(d[1]), q.dot(d[2]));
+    n.try_normalize().unwrap_or(DVec3::X)
+}
