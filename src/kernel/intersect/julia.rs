@@ -194,10 +194,9 @@ pub fn julia_normal(s: &JuliaShape, p: DVec3) -> DVec3 {
                 let ev = DVec3::new(e.y, e.z, e.w);
                 let along = 2.0 * v.dot(ev);
                 let (x, u) = match s.function {
-                    JuliaFunction::Cube => (
-                        e.x * (3.0 * q.x * q.x - 3.0 * n) - 3.0 * q.x * along,
-                        ev * (3.0 * q.x * q.x - n) + v * (6.0 * q.x * e.x - along),
-                    ),
+                    JuliaFunction::Cube => {
+                        (e.x * (3.0 * q.x * q.x - 3.0 * n) - 3.0 * q.x * along, ev * (3.0 * q.x * q.x - n) + v * (6.0 * q.x * e.x - along))
+                    }
                     _ => (2.0 * q.x * e.x - along, 2.0 * (q.x * ev + e.x * v)),
                 };
                 DVec4::new(x, u.x, u.y, u.z)
