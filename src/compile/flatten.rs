@@ -258,6 +258,7 @@ impl<'a> Flattener<'a> {
             interior_ix: if role == Role::Visible { entered.interior_ix } else { NONE },
             visible: role == Role::Visible,
             solid: false,
+            cutaway: 0..0,
         };
         if let Some(root) = root {
             record.solid = self.nodes[root].solid;
@@ -265,6 +266,11 @@ impl<'a> Flattener<'a> {
             self.writer().require(root, true, &mut steps);
             record.inside = self.add_program(&steps)?;
             self.assign(root, &[], InsideProgram::default(), Bounds::UNBOUNDED)?;
+            if entered.flags & prim_flags::CUTAWAY != 0 && entered.texture.is_none() {
+                let start = self.geometry.cutaway_parts.len() as u32;
+                self.cutaway_parts(root)?;
+                record.cutaway = start..self.geometry.cutaway_parts.len() as u32;
+            }
             let leaves = first as usize..self.geometry.prims.len();
             let hit = leaves.filter(|k| self.geometry.prims[*k].flags & prim_flags::INSIDE_ONLY == 0);
             record.bounds = hit.fold(Bounds::EMPTY, |b, k| {
@@ -321,7 +327,8 @@ impl<'a> Flattener<'a> {
                     list.extend(self.node(c, &below, inverted ^ subtracted, true)?);
                 }
                 let all = matches!(op, Csg::Intersection | Csg::Difference);
-                self.join(list, all != inverted, *op == Csg::Merge || inverted)
+                let node = self.join(list, all != inverted, *op == Csg::Merge || inverted);
+                node.map(|n| Node { is_difference: *op == Csg::Difference, ..n })
             }
             Shape::LightGroup { children, lights, global_lights } => {
                 self.enter_light_group(&mut inside, *global_lights);
@@ -372,6 +379,23 @@ impl<'a> Flattener<'a> {
         Ok(Some(self.nodes.len() - 1))
     }
 
+    /// Adds the leaves whose covers cut surfaces may show: of differences only the first child's.
+    fn cutaway_parts(&mut self, node: usize) -> Result<(), CompileError> {
+        match self.nodes[node].kind.clone() {
+            NodeKind::Leaf(p) => {
+                let mut steps = Vec::new();
+                self.writer().require(node, true, &mut steps);
+                let program = self.add_program(&steps)?;
+                self.geometry.cutaway_parts.push((program, self.geometry.prims[p as usize].surface_ix));
+                Ok(())
+            }
+            NodeKind::All(list) | NodeKind::Any(list) | NodeKind::Merge(list) => {
+                let n = if self.nodes[node].is_difference { 1 } else { list.len() };
+                list.iter().take(n).try_for_each(|c| self.cutaway_parts(*c))
+            }
+        }
+    }
+
     fn enter_child(&mut self, child: &Object, above: &Inherited) -> Inherited {
         let role = if above.flags & prim_flags::HIDDEN != 0 { Role::Hidden } else { Role::Visible };
         self.enter(child, above, role)
@@ -413,7 +437,7 @@ impl<'a> Flattener<'a> {
             (false, true) => NodeKind::Merge(list),
             (false, false) => NodeKind::Any(list),
         };
-        Some(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid })
+        Some(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid, is_difference: false })
     }
 
     /// A text: a plain union of its letters.
@@ -472,7 +496,7 @@ impl<'a> Flattener<'a> {
         let (bounds, cobounds) = if inverted { (Bounds::UNBOUNDED, leaf.inside_bounds) } else { (leaf.inside_bounds, Bounds::UNBOUNDED) };
         let kind = NodeKind::Leaf(prim_ix);
         let surface_bounds = leaf.surface_bounds;
-        Ok(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid: leaf.solid })
+        Ok(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid: leaf.solid, is_difference: false })
     }
 
     /// The cover that a leaf gets; sets `TRANSPARENT`.

@@ -159,6 +159,8 @@ pub struct ObjectRecord {
     pub visible: bool,
     /// Made of shapes that have an inside.
     pub solid: bool,
+    /// What cut surfaces without a texture show, into [`Geometry::cutaway_parts`].
+    pub cutaway: std::ops::Range<u32>,
 }
 
 /// All geometry of a scene.
@@ -176,6 +178,8 @@ pub struct Geometry {
     pub surfaces: Vec<Surface>,
     /// Steps of clip and inside programs.
     pub clip_steps: Vec<InsideStep>,
+    /// Parts of objects with `cutaway_textures`: where it shows, and its cover.
+    pub cutaway_parts: Vec<(InsideProgram, u32)>,
     /// Boxes that programs look at.
     pub clip_boxes: Vec<Bounds>,
     /// Top-level objects in the order of the file (unions dissolved), hidden ones among them.

@@ -31,8 +31,10 @@ pub(super) struct Node {
     pub surface_bounds: Bounds,
     /// Primitives below, those of clip objects included.
     pub prims: Range<u32>,
-    /// Something in it has an inside.
+    /// All of it has an inside.
     pub solid: bool,
+    /// Only the first child counts for cutaway textures.
+    pub is_difference: bool,
 }
 
 /// Writes steps for the nodes of one object.

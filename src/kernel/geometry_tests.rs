@@ -135,3 +135,17 @@ fn torus_cylinder_and_cone_are_hit_where_formulas_say() {
     let cone = compiled(vec![cone]);
     assert_eq!(depths(&cone, DVec3::new(0.0, 1.0, -10.0), DVec3::Z), [9.5, 10.5]);
 }
+
+#[test]
+fn cut_surfaces_show_the_texture_of_what_they_cut() {
+    let mut block = cube(-2.0, 2.0);
+    block.texture = Some(Arc::new(Texture::solid(Rgbft::rgb(1.0, 0.0, 0.0))));
+    let mut d = csg(Csg::Difference, vec![block, sphere(DVec3::new(0.0, 0.0, -2.0), 1.0)]);
+    d.flags.cutaway_textures = Some(true);
+    let scene = compiled(vec![d]);
+    let h = intersect(&scene, &Ray::new(FROM, DVec3::Z), MIN_DEPTH, 1e7, 0).expect("a hit");
+    let mut covers = Vec::new();
+    super::cover::for_covers(&scene, &h, false, |c| covers.push(c));
+    let block_texture = scene.geometry.surfaces[scene.geometry.prims[0].surface_ix as usize].texture;
+    assert_eq!((h.prim_ix, covers.len(), covers[0].texture, covers[0].weight), (1, 1, block_texture, 1.0));
+}

@@ -3,6 +3,7 @@
 
 #[cfg(test)]
 mod geometry_tests;
+pub mod cover;
 pub mod inside;
 pub mod intersect;
 pub mod query;

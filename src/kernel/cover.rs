@@ -1,0 +1,86 @@
+//! Which textures a hit shows, and how much of each. Each is fully shaded and the results are averaged.
+//! Source: spec/light.md, section 3; spec/objects.md, sections 4, 6 and 13.
+
+use super::SurfaceHit;
+use super::inside::run_program;
+use super::intersect::blob::blob_weights;
+use crate::compile::geometry::{Geometry, PrimKind, Surface, prim_flags};
+use crate::compile::{CompiledScene, NONE};
+
+/// A texture that a hit shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cover {
+    /// Into `TextureTables::textures`.
+    pub texture: u32,
+    /// World from the texture's space, into `Geometry::transforms`.
+    pub transform_ix: u32,
+    /// Share; those of a hit add up to 1.
+    pub weight: f32,
+}
+
+/// Calls `f` with every texture of a hit; with none where nothing is drawn. `from_inside`: the normal, inversion applied, runs with the ray.
+pub fn for_covers(scene: &CompiledScene, hit: &SurfaceHit, from_inside: bool, mut f: impl FnMut(Cover)) {
+    let g = &scene.geometry;
+    let prim = &g.prims[hit.prim_ix as usize];
+    let surface = &g.surfaces[prim.surface_ix as usize];
+    let own_space = if prim.flags & prim_flags::UV_MAPPING != 0 { 0 } else { prim.transform_ix };
+    match prim.kind {
+        PrimKind::Mesh => {
+            let mesh = &g.shapes.meshes[prim.shape_ix as usize];
+            if let Some(corners) = mesh.mesh.face_textures.get(hit.face_ix as usize) {
+                let cover = |k: u32, weight: f64| match mesh.textures.get(k as usize) {
+                    Some(t) => Cover { texture: *t, transform_ix: own_space, weight: weight as f32 },
+                    None => Cover { texture: surface.texture, transform_ix: surface.transform_ix, weight: weight as f32 },
+                };
+                if corners[0] == corners[1] && corners[0] == corners[2] {
+                    if corners[0] != u32::MAX {
+                        return f(cover(corners[0], 1.0));
+                    }
+                } else {
+                    let b = hit.barycentric;
+                    let w = [1.0 - b.x - b.y, b.x, b.y].map(|w| w.max(0.0));
+                    let sum: f64 = w.iter().sum();
+                    return (0..3).filter(|k| w[*k] > 0.0).for_each(|k| f(cover(corners[k], w[k] / sum)));
+                }
+            }
+        }
+        PrimKind::Blob => {
+            let blob = &g.shapes.blobs[prim.shape_ix as usize];
+            if blob.textures.iter().any(|t| *t != NONE) {
+                let local = g.transforms[prim.transform_ix as usize].inverse_point(hit.point);
+                let mut sum = 0.0;
+                blob_weights(blob, local, |_, w| sum += w);
+                if sum > 0.0 {
+                    blob_weights(blob, local, |component, w| {
+                        let (texture, transform_ix) = match blob.textures[component as usize] {
+                            NONE => (surface.texture, surface.transform_ix),
+                            t => (t, own_space),
+                        };
+                        f(Cover { texture, transform_ix, weight: (w / sum) as f32 });
+                    });
+                    return;
+                }
+            }
+        }
+        _ => {}
+    }
+    let texture = if from_inside && surface.interior_texture != NONE { surface.interior_texture } else { surface.texture };
+    if texture != NONE {
+        f(Cover { texture, transform_ix: surface.transform_ix, weight: 1.0 });
+    } else {
+        cutaway(g, hit, prim.object_ix, f);
+    }
+}
+
+/// The textures of the cut parts that the point is inside, in equal shares.
+fn cutaway(g: &Geometry, hit: &SurfaceHit, object_ix: u32, mut f: impl FnMut(Cover)) {
+    let parts = &g.cutaway_parts[g.objects[object_ix as usize].cutaway.start as usize..g.objects[object_ix as usize].cutaway.end as usize];
+    let shown = |p: &&(crate::compile::geometry::InsideProgram, u32)| {
+        g.surfaces[p.1 as usize].texture != NONE && run_program(g, p.0, u32::MAX, hit.point)
+    };
+    let n = parts.iter().filter(shown).count();
+    for (_, surface_ix) in parts.iter().filter(shown) {
+        let Surface { texture, transform_ix, .. } = g.surfaces[*surface_ix as usize];
+        f(Cover { texture, transform_ix, weight: 1.0 / n as f32 });
+    }
+}
