@@ -2,10 +2,11 @@
 
 use super::NONE;
 use super::geometry::PrimKind;
+use super::shape::implicit::container_bounds;
 use super::shape::mesh::patch_mesh;
 use super::shape::simple::frame_along;
 use super::shape::{
-    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HeightFieldShape, JuliaShape, LatheShape, MeshShape, OvusShape,
+    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HeightFieldShape, IsosurfaceShape, JuliaShape, LatheShape, MeshShape, OvusShape, ParametricShape,
     PlaneShape, PolyShape, PolygonShape, PrismShape, QuadricShape, Shapes, SorShape, SphereShape, SphereSweepShape, SuperellipsoidShape,
     TorusShape, TriangleShape,
 };
@@ -266,45 +267,32 @@ pub(super) fn add_leaf(
             let r = DVec3::splat(shape.radius);
             placed(PrimKind::JuliaFractal, push(&mut shapes.julias, shape), Bounds { min: -r, max: r })
         }
+        Shape::Isosurface { function, container, threshold, accuracy, max_gradient, evaluate, open, max_trace } => {
+            let Some(function) = textures.function(function) else { return Err(NoLeaf::Unsupported("isosurface")) };
+            let shape = IsosurfaceShape {
+                function,
+                container: *container,
+                threshold: *threshold,
+                accuracy: *accuracy,
+                max_gradient: *max_gradient,
+                evaluate: *evaluate,
+                open: *open,
+                max_trace: *max_trace,
+            };
+            placed(PrimKind::Isosurface, push(&mut shapes.isosurfaces, shape), container_bounds(container))
+        }
+        Shape::Parametric { functions, min, max, container, accuracy, max_gradient, .. } => {
+            let [Some(x), Some(y), Some(z)] = functions.each_ref().map(|f| textures.function(f)) else {
+                return Err(NoLeaf::Unsupported("parametric"));
+            };
+            let (functions, container) = ([x, y, z], *container);
+            let shape = ParametricShape { functions, min: *min, max: *max, container, accuracy: *accuracy, max_gradient: *max_gradient };
+            let leaf = placed(PrimKind::Parametric, push(&mut shapes.parametrics, shape), container_bounds(&container))?;
+            Ok(Leaf { inside_bounds: Bounds::EMPTY, solid: false, ..leaf })
+        }
         Shape::Csg { .. } | Shape::Group { .. } | Shape::LightGroup { .. } | Shape::Light(_) | Shape::Text { .. } | Shape::Mesh(_) => {
             Err(NoLeaf::Nothing)
         }
-        other => Err(NoLeaf::Unsupported(shape_name(other))),
-    }
-}
-
-/// The shape's keyword.
-pub(super) fn shape_name(shape: &Shape) -> &'static str {
-    match shape {
-        Shape::Sphere { .. } => "sphere",
-        Shape::Box { .. } => "box",
-        Shape::Cylinder { .. } => "cylinder",
-        Shape::Cone { .. } => "cone",
-        Shape::Plane { .. } => "plane",
-        Shape::Disc { .. } => "disc",
-        Shape::Torus { .. } => "torus",
-        Shape::Triangle { .. } => "triangle",
-        Shape::Mesh(_) => "mesh",
-        Shape::Polygon { .. } => "polygon",
-        Shape::BicubicPatch { .. } => "bicubic_patch",
-        Shape::Quadric { .. } => "quadric",
-        Shape::Poly { .. } => "poly",
-        Shape::Blob { .. } => "blob",
-        Shape::Lathe { .. } => "lathe",
-        Shape::Sor { .. } => "sor",
-        Shape::Prism { .. } => "prism",
-        Shape::SphereSweep { .. } => "sphere_sweep",
-        Shape::Superellipsoid { .. } => "superellipsoid",
-        Shape::Ovus { .. } => "ovus",
-        Shape::JuliaFractal { .. } => "julia_fractal",
-        Shape::HeightField { .. } => "height_field",
-        Shape::Isosurface { .. } => "isosurface",
-        Shape::Parametric { .. } => "parametric",
-        Shape::Text { .. } => "text",
-        Shape::Csg { .. } => "csg",
-        Shape::Group { .. } => "object",
-        Shape::LightGroup { .. } => "light_group",
-        Shape::Light(_) => "light_source",
     }
 }
 

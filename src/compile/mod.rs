@@ -188,11 +188,12 @@ pub enum CompileError {
     },
 }
 
-/// Compiles one object that is asked about before its scene is complete: geometry only, without covers; it is object 0.
-pub fn compile_object(object: &crate::scene::Object, sink: &mut Sink) -> Result<Geometry, CompileError> {
+/// Compiles one object that is asked about before its scene is complete: a scene of that object alone, hidden and without covers,
+/// as object 0.
+pub fn compile_object(object: &crate::scene::Object, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
     let mut flattener = Flattener::new(Default::default(), usize::MAX, sink);
     flattener.add_hidden(object)?;
-    Ok(flattener.finish().0)
+    Ok(finish(flattener, &Scene::default(), &CompileOptions::default()))
 }
 
 /// Compiles a scene. What cannot be rendered yet is left out with a note in `sink`, once a kind.
@@ -204,6 +205,11 @@ pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -
     for object in &scene.objects {
         flattener.add_visible(object)?;
     }
+    Ok(finish(flattener, scene, options))
+}
+
+/// Everything of a scene besides objects and lights, and the finished tables.
+fn finish(mut flattener: Flattener, scene: &Scene, options: &CompileOptions) -> CompiledScene {
     let atmosphere = scene.atmosphere.iter().map(|m| flattener.medium(m, &Transform::IDENTITY)).collect();
     let sky = scene.sky_sphere.as_ref().map(|sky| CompiledSky {
         pigments: sky.pigments.iter().map(|p| flattener.textures.pigment(p)).collect(),
@@ -229,5 +235,5 @@ pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -
         options: options.clone(),
     };
     compiled.features = features::find(&compiled);
-    Ok(compiled)
+    compiled
 }

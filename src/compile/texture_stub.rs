@@ -1,7 +1,7 @@
 //! Stands in for the texture builder until the texture room lands its own: indices without contents.
 
 use super::texture::{PigmentIx, TextureIx, TextureTables};
-use crate::scene::{Object, Pigment, Texture};
+use crate::scene::{Function, Object, Pigment, Texture};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -42,6 +42,10 @@ impl TextureBuilder {
 
     pub fn is_transparent(&self, t: TextureIx) -> bool {
         self.transparent[t as usize]
+    }
+
+    pub fn function(&mut self, _f: &Arc<Function>) -> Option<u32> {
+        None
     }
 
     pub fn finish(self) -> TextureTables {

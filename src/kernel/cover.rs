@@ -4,7 +4,7 @@
 use super::SurfaceHit;
 use super::inside::run_program;
 use super::intersect::blob::blob_weights;
-use crate::compile::geometry::{Geometry, PrimKind, Surface, prim_flags};
+use crate::compile::geometry::{PrimKind, Surface, prim_flags};
 use crate::compile::{CompiledScene, NONE};
 
 /// A texture that a hit shows.
@@ -68,15 +68,17 @@ pub fn for_covers(scene: &CompiledScene, hit: &SurfaceHit, from_inside: bool, mu
     if texture != NONE {
         f(Cover { texture, transform_ix: surface.transform_ix, weight: 1.0 });
     } else {
-        cutaway(g, hit, prim.object_ix, f);
+        cutaway(scene, hit, prim.object_ix, f);
     }
 }
 
 /// The textures of the cut parts that the point is inside, in equal shares.
-fn cutaway(g: &Geometry, hit: &SurfaceHit, object_ix: u32, mut f: impl FnMut(Cover)) {
-    let parts = &g.cutaway_parts[g.objects[object_ix as usize].cutaway.start as usize..g.objects[object_ix as usize].cutaway.end as usize];
+fn cutaway(scene: &CompiledScene, hit: &SurfaceHit, object_ix: u32, mut f: impl FnMut(Cover)) {
+    let g = &scene.geometry;
+    let range = &g.objects[object_ix as usize].cutaway;
+    let parts = &g.cutaway_parts[range.start as usize..range.end as usize];
     let shown = |p: &&(crate::compile::geometry::InsideProgram, u32)| {
-        g.surfaces[p.1 as usize].texture != NONE && run_program(g, p.0, u32::MAX, hit.point)
+        g.surfaces[p.1 as usize].texture != NONE && run_program(scene, p.0, u32::MAX, hit.point)
     };
     let n = parts.iter().filter(shown).count();
     for (_, surface_ix) in parts.iter().filter(shown) {

@@ -2,31 +2,33 @@
 
 use super::intersect::inside_shape;
 use crate::compile::CompiledScene;
-use crate::compile::geometry::{Geometry, InsideProgram, InsideStep, prim_flags};
+use crate::compile::geometry::{InsideProgram, InsideStep, prim_flags};
 use crate::math::DVec3;
 
 /// Whether world point `p` is inside primitive `prim_ix`, its inversion applied, its clip program not.
 #[inline]
-pub fn inside_prim(g: &Geometry, prim_ix: u32, p: DVec3) -> bool {
+pub fn inside_prim(scene: &CompiledScene, prim_ix: u32, p: DVec3) -> bool {
+    let g = &scene.geometry;
     let prim = &g.prims[prim_ix as usize];
     let local = if prim.transform_ix == 0 { p } else { g.transforms[prim.transform_ix as usize].inverse_point(p) };
-    inside_shape(g, prim, local, prim.flags & prim_flags::INVERTED != 0)
+    inside_shape(scene, prim, local, prim.flags & prim_flags::INVERTED != 0)
 }
 
 /// Runs a program for a hit on primitive `own` (`u32::MAX` for none) at world point `p`.
-pub fn run_program(g: &Geometry, program: InsideProgram, own: u32, p: DVec3) -> bool {
+pub fn run_program(scene: &CompiledScene, program: InsideProgram, own: u32, p: DVec3) -> bool {
+    let g = &scene.geometry;
     let steps = &g.clip_steps[program.start as usize..(program.start + program.len) as usize];
     let (mut stack, mut depth, mut k) = (0u64, 0u32, 0usize);
     while let Some(step) = steps.get(k) {
         k += 1;
         match *step {
             InsideStep::RequireIn(ix) => {
-                if !inside_prim(g, ix, p) {
+                if !inside_prim(scene, ix, p) {
                     return false;
                 }
             }
             InsideStep::RequireOut(ix) => {
-                if inside_prim(g, ix, p) {
+                if inside_prim(scene, ix, p) {
                     return false;
                 }
             }
@@ -42,7 +44,7 @@ pub fn run_program(g: &Geometry, program: InsideProgram, own: u32, p: DVec3) -> 
                 }
             }
             InsideStep::Prim(ix) => {
-                stack = stack << 1 | u64::from(inside_prim(g, ix, p));
+                stack = stack << 1 | u64::from(inside_prim(scene, ix, p));
                 depth += 1;
             }
             InsideStep::Not => stack ^= 1,
@@ -68,13 +70,8 @@ pub fn run_program(g: &Geometry, program: InsideProgram, own: u32, p: DVec3) -> 
 
 /// Whether world point `p` is inside object `object_ix` of `Geometry::objects` as a whole.
 pub fn inside_object(scene: &CompiledScene, object_ix: u32, p: DVec3) -> bool {
-    inside_object_of(&scene.geometry, object_ix, p)
-}
-
-/// The same for geometry alone.
-pub fn inside_object_of(g: &Geometry, object_ix: u32, p: DVec3) -> bool {
-    let program = g.objects[object_ix as usize].inside;
-    program.len > 0 && run_program(g, program, u32::MAX, p)
+    let program = scene.geometry.objects[object_ix as usize].inside;
+    program.len > 0 && run_program(scene, program, u32::MAX, p)
 }
 
 /// Fills `out` with the interiors of all visible objects that contain `p`, in the order of the file. Source: spec/light.md, section 1.

@@ -1,10 +1,9 @@
 //! Answers for front ends about objects and functions that are not part of a scene yet: `trace`, `inside`, extents, values.
 
-use super::inside::inside_object_of;
-use super::traverse::{MIN_DEPTH, intersect_object_of};
-use crate::compile::compile_object;
+use super::inside::inside_object;
+use super::traverse::{MIN_DEPTH, intersect_object};
 use crate::compile::extent::pov_extent;
-use crate::compile::geometry::Geometry;
+use crate::compile::{CompiledScene, compile_object};
 use crate::diag::Sink;
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Ray, Rgbft};
 use crate::scene::spline::SplineKind;
@@ -19,10 +18,8 @@ const KEPT: usize = 256;
 #[derive(Debug, Default)]
 pub struct KernelQuery {
     /// By address; the `Arc` keeps the address taken.
-    objects: Mutex<HashMap<*const Object, (Arc<Object>, Arc<Geometry>)>>,
+    objects: Mutex<HashMap<*const Object, (Arc<Object>, Option<Arc<CompiledScene>>)>>,
 }
-
-// SAFETY is not at stake: the addresses are keys only, never followed. They keep the type from being `Send`, which front ends do not need.
 
 impl KernelQuery {
     /// Nothing compiled yet.
@@ -30,13 +27,13 @@ impl KernelQuery {
         Self::default()
     }
 
-    fn geometry(&self, object: &Arc<Object>) -> Arc<Geometry> {
+    fn compiled(&self, object: &Arc<Object>) -> Option<Arc<CompiledScene>> {
         let mut kept = self.objects.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, g)) = kept.get(&Arc::as_ptr(object)) {
             return g.clone();
         }
         // What cannot be compiled is said when the scene is; here it is not there.
-        let g = Arc::new(compile_object(object, &mut Sink::default()).unwrap_or_default());
+        let g = compile_object(object, &mut Sink::default()).ok().map(Arc::new);
         if kept.len() >= KEPT {
             kept.clear();
         }
@@ -47,16 +44,16 @@ impl KernelQuery {
 
 impl SceneQuery for KernelQuery {
     fn trace(&self, object: &Arc<Object>, ray: &Ray) -> Option<(DVec3, DVec3)> {
-        let g = self.geometry(object);
-        if g.objects.is_empty() || !(ray.origin.is_finite() && ray.dir.is_finite()) {
+        let g = self.compiled(object)?;
+        if !(ray.origin.is_finite() && ray.dir.is_finite()) {
             return None;
         }
-        intersect_object_of(&g, 0, ray, MIN_DEPTH, MAX_DISTANCE).map(|h| (h.point, h.normal))
+        intersect_object(&g, 0, ray, MIN_DEPTH, MAX_DISTANCE).map(|h| (h.point, h.normal))
     }
 
     fn inside(&self, object: &Arc<Object>, point: DVec3) -> Option<bool> {
-        let g = self.geometry(object);
-        g.objects.first().filter(|o| o.solid).map(|_| inside_object_of(&g, 0, point))
+        let g = self.compiled(object)?;
+        g.geometry.objects.first().filter(|o| o.solid).map(|_| inside_object(&g, 0, point))
     }
 
     fn extent(&self, object: &Arc<Object>) -> Bounds {

@@ -31,7 +31,7 @@ pub enum ShadowHit {
 /// Nearest hit of `ray` with `t_min <= t < t_max` on primitives without any of `skip_flags` (`prim_flags`).
 pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_flags: u32) -> Option<SurfaceHit> {
     let g = &scene.geometry;
-    let mut nearest = Nearest::new(g, ray, t_min, t_max);
+    let mut nearest = Nearest::new(scene, ray, t_min, t_max);
     for_candidates(g, ray, |prim_ix, _| {
         if g.prims[prim_ix as usize].flags & skip_flags == 0 {
             nearest.test(prim_ix);
@@ -43,13 +43,9 @@ pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_
 
 /// Nearest hit of `ray` with object `object_ix` (visible or hidden) alone.
 pub fn intersect_object(scene: &CompiledScene, object_ix: u32, ray: &Ray, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
-    intersect_object_of(&scene.geometry, object_ix, ray, t_min, t_max)
-}
-
-/// The same for geometry alone.
-pub fn intersect_object_of(g: &Geometry, object_ix: u32, ray: &Ray, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
+    let g = &scene.geometry;
     let object = &g.objects[object_ix as usize];
-    let mut nearest = Nearest::new(g, ray, t_min, t_max);
+    let mut nearest = Nearest::new(scene, ray, t_min, t_max);
     let slabs = Slabs::new(ray);
     for prim_ix in object.prims.clone() {
         let b = &g.bounds[prim_ix as usize];
@@ -64,8 +60,8 @@ pub fn intersect_object_of(g: &Geometry, object_ix: u32, ray: &Ray, t_min: f64, 
 /// `last` (a primitive or `u32::MAX`) is tried first.
 pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
     let g = &scene.geometry;
-    let mut nearest = Nearest::new(g, ray, t_min.next_up(), t_max);
-    if (last as usize) < g.prims.len() && blocks(g, last, ray, t_min, t_max) {
+    let mut nearest = Nearest::new(scene, ray, t_min.next_up(), t_max);
+    if (last as usize) < g.prims.len() && blocks(scene, last, ray, t_min, t_max) {
         return ShadowHit::Opaque { prim_ix: last };
     }
     let mut opaque = None;
@@ -76,7 +72,7 @@ pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64
         }
         if flags & prim_flags::TRANSPARENT != 0 {
             nearest.test(prim_ix);
-        } else if blocks(g, prim_ix, ray, t_min, t_max) {
+        } else if blocks(scene, prim_ix, ray, t_min, t_max) {
             opaque = Some(prim_ix);
             return None;
         }
@@ -89,12 +85,13 @@ pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64
 }
 
 /// Whether opaque primitive `prim_ix` has a standing hit in the open interval.
-fn blocks(g: &Geometry, prim_ix: u32, ray: &Ray, t_min: f64, t_max: f64) -> bool {
+fn blocks(scene: &CompiledScene, prim_ix: u32, ray: &Ray, t_min: f64, t_max: f64) -> bool {
+    let g = &scene.geometry;
     let prim = &g.prims[prim_ix as usize];
     if prim.flags & (prim_flags::NO_SHADOW | prim_flags::TRANSPARENT | prim_flags::HIDDEN) != 0 {
         return false;
     }
-    let mut any = Nearest::new(g, ray, t_min.next_up(), t_max);
+    let mut any = Nearest::new(scene, ray, t_min.next_up(), t_max);
     any.stop_at_first = true;
     any.test(prim_ix);
     any.prim_ix != u32::MAX
@@ -147,7 +144,7 @@ impl Slabs {
 ///
 /// At equal depth the later primitive of the same object wins, as POV-Ray's stack of hits has it; between objects the earlier one.
 pub(super) struct Nearest<'a> {
-    g: &'a Geometry,
+    scene: &'a CompiledScene,
     ray: &'a Ray,
     t_min: f64,
     /// Depth of the best hit, or the limit.
@@ -162,9 +159,9 @@ pub(super) struct Nearest<'a> {
 }
 
 impl<'a> Nearest<'a> {
-    pub fn new(g: &'a Geometry, ray: &'a Ray, t_min: f64, t_max: f64) -> Self {
+    pub fn new(scene: &'a CompiledScene, ray: &'a Ray, t_min: f64, t_max: f64) -> Self {
         Self {
-            g,
+            scene,
             ray,
             t_min,
             t: t_max,
@@ -179,7 +176,7 @@ impl<'a> Nearest<'a> {
 
     #[inline]
     pub fn test(&mut self, prim_ix: u32) {
-        let g = self.g;
+        let g = &self.scene.geometry;
         let prim: &Prim = &g.prims[prim_ix as usize];
         self.prim = prim_ix;
         self.clip = InsideProgram { start: prim.clip_start, len: prim.clip_len };
@@ -193,12 +190,12 @@ impl<'a> Nearest<'a> {
             self.per_local = 1.0 / len;
             LocalRay { origin: t.inverse_point(self.ray.origin), dir: dir / len }
         };
-        intersect_shape(g, prim, &local, self);
+        intersect_shape(self.scene, prim, &local, self);
     }
 
     /// The best hit with its normal and coordinates.
     pub fn finish(&self) -> Option<SurfaceHit> {
-        (self.prim_ix != u32::MAX).then(|| surface_hit(self.g, self.ray, self.t, self.prim_ix, &self.part))
+        (self.prim_ix != u32::MAX).then(|| surface_hit(self.scene, self.ray, self.t, self.prim_ix, &self.part))
     }
 }
 
@@ -210,8 +207,8 @@ impl HitSink for Nearest<'_> {
             return;
         }
         if t == self.t {
-            let Some(best) = self.g.prims.get(self.prim_ix as usize) else { return };
-            let (own, other) = (self.g.prims[self.prim as usize].object_ix, best.object_ix);
+            let Some(best) = self.scene.geometry.prims.get(self.prim_ix as usize) else { return };
+            let (own, other) = (self.scene.geometry.prims[self.prim as usize].object_ix, best.object_ix);
             if if own == other { self.prim < self.prim_ix } else { own > other } {
                 return;
             }
@@ -219,7 +216,7 @@ impl HitSink for Nearest<'_> {
         if self.stop_at_first && self.prim_ix != u32::MAX {
             return;
         }
-        if self.clip.len > 0 && !run_program(self.g, self.clip, self.prim, self.ray.at(t)) {
+        if self.clip.len > 0 && !run_program(self.scene, self.clip, self.prim, self.ray.at(t)) {
             return;
         }
         self.t = t;
@@ -234,15 +231,16 @@ impl HitSink for Nearest<'_> {
 }
 
 /// Everything about a hit that shading asks for.
-fn surface_hit(g: &Geometry, ray: &Ray, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
+fn surface_hit(scene: &CompiledScene, ray: &Ray, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
+    let g = &scene.geometry;
     let prim = &g.prims[prim_ix as usize];
     let point = ray.at(t);
     let (local, n) = if prim.transform_ix == 0 {
-        (point, world_normal(g, prim, None, point, part))
+        (point, world_normal(scene, prim, None, point, part))
     } else {
         let transform = &g.transforms[prim.transform_ix as usize];
         let local = transform.inverse_point(point);
-        (local, world_normal(g, prim, Some(transform), local, part))
+        (local, world_normal(scene, prim, Some(transform), local, part))
     };
     let n = n.try_normalize().unwrap_or(DVec3::X);
     SurfaceHit {

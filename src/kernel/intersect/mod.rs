@@ -15,6 +15,7 @@ pub mod sweep;
 pub mod torus;
 pub mod triangle;
 
+use crate::compile::CompiledScene;
 use crate::compile::geometry::{Geometry, Prim, PrimKind, prim_flags};
 use crate::math::{Bounds, DVec2, DVec3, EPSILON, Transform};
 
@@ -61,11 +62,25 @@ impl LocalRay {
     }
 }
 
+/// A function of space.
+fn field(scene: &CompiledScene, function: u32) -> impl Fn(DVec3) -> f64 {
+    move |p| call_function(scene, function, &p.to_array())
+}
+
+/// Three functions of (u, v).
+fn chart(scene: &CompiledScene, functions: [u32; 3]) -> impl Fn(DVec2) -> DVec3 {
+    move |uv| DVec3::from_array(functions.map(|f| call_function(scene, f, &uv.to_array())))
+}
+
+fn call_function(_scene: &CompiledScene, _function: u32, _args: &[f64]) -> f64 {
+    f64::NAN
+}
+
 /// Pushes all hits of the shape of `prim` that it reports.
 #[inline]
-pub fn intersect_shape(g: &Geometry, prim: &Prim, ray: &LocalRay, sink: &mut impl HitSink) {
+pub fn intersect_shape(scene: &CompiledScene, prim: &Prim, ray: &LocalRay, sink: &mut impl HitSink) {
     let ix = prim.shape_ix as usize;
-    let s = &g.shapes;
+    let s = &scene.geometry.shapes;
     let all = || prim.flags & prim_flags::CSG_CHILD != 0;
     match prim.kind {
         PrimKind::Sphere => simple::intersect_sphere(&s.spheres[ix], ray, sink),
@@ -90,15 +105,22 @@ pub fn intersect_shape(g: &Geometry, prim: &Prim, ray: &LocalRay, sink: &mut imp
         PrimKind::Ovus => sweep::intersect_ovus(&s.ovi[ix], ray, sink),
         PrimKind::SphereSweep => sweep::intersect_sphere_sweep(&s.sphere_sweeps[ix], ray, sink),
         PrimKind::JuliaFractal => julia::intersect_julia(&s.julias[ix], ray, all(), sink),
-        _ => {}
+        PrimKind::Isosurface => {
+            let shape = &s.isosurfaces[ix];
+            implicit::intersect_isosurface(shape, ray, &field(scene, shape.function), sink);
+        }
+        PrimKind::Parametric => {
+            let shape = &s.parametrics[ix];
+            implicit::intersect_parametric(shape, ray, &chart(scene, shape.functions), sink);
+        }
     }
 }
 
 /// Whether a point of shape space is inside; `inverted` chooses POV-Ray's rule for points on the surface.
 #[inline]
-pub fn inside_shape(g: &Geometry, prim: &Prim, p: DVec3, inverted: bool) -> bool {
+pub fn inside_shape(scene: &CompiledScene, prim: &Prim, p: DVec3, inverted: bool) -> bool {
     let ix = prim.shape_ix as usize;
-    let s = &g.shapes;
+    let s = &scene.geometry.shapes;
     match prim.kind {
         PrimKind::Sphere => return simple::inside_sphere(&s.spheres[ix], p, inverted),
         PrimKind::Plane => return simple::inside_plane(&s.planes[ix], p, inverted),
@@ -124,24 +146,26 @@ pub fn inside_shape(g: &Geometry, prim: &Prim, p: DVec3, inverted: bool) -> bool
             PrimKind::Ovus => sweep::inside_ovus(&s.ovi[ix], p),
             PrimKind::SphereSweep => sweep::inside_sphere_sweep(&s.sphere_sweeps[ix], p),
             PrimKind::JuliaFractal => julia::inside_julia(&s.julias[ix], p),
-            _ => false,
+            PrimKind::Isosurface => implicit::inside_isosurface(&s.isosurfaces[ix], p, &field(scene, s.isosurfaces[ix].function)),
+            // Surfaces without an inside; spheres and planes went before.
+            PrimKind::Triangle | PrimKind::Polygon | PrimKind::BicubicPatch | PrimKind::Parametric | PrimKind::Sphere | PrimKind::Plane => false,
         }
 }
 
 /// The normal of a hit, in the world unless `transform` is `None`; not unit, not inverted. `p` is in shape space.
-pub fn world_normal(g: &Geometry, prim: &Prim, transform: Option<&Transform>, p: DVec3, part: &Part) -> DVec3 {
+pub fn world_normal(scene: &CompiledScene, prim: &Prim, transform: Option<&Transform>, p: DVec3, part: &Part) -> DVec3 {
     if prim.kind == PrimKind::HeightField {
-        let shape = &g.shapes.height_fields[prim.shape_ix as usize];
+        let shape = &scene.geometry.shapes.height_fields[prim.shape_ix as usize];
         return height_field::height_field_normal(shape, transform.unwrap_or(&Transform::IDENTITY), part);
     }
-    let n = shape_normal(g, prim, p, part);
+    let n = shape_normal(scene, prim, p, part);
     transform.map_or(n, |t| t.normal(n))
 }
 
 /// The normal of a hit in shape space, not unit, not inverted.
-fn shape_normal(g: &Geometry, prim: &Prim, p: DVec3, part: &Part) -> DVec3 {
+fn shape_normal(scene: &CompiledScene, prim: &Prim, p: DVec3, part: &Part) -> DVec3 {
     let ix = prim.shape_ix as usize;
-    let s = &g.shapes;
+    let s = &scene.geometry.shapes;
     match prim.kind {
         PrimKind::Sphere => (p - s.spheres[ix].center) / s.spheres[ix].radius,
         PrimKind::Box => simple::box_normal(part.face),
@@ -164,7 +188,10 @@ fn shape_normal(g: &Geometry, prim: &Prim, p: DVec3, part: &Part) -> DVec3 {
         PrimKind::Ovus => sweep::ovus_normal(&s.ovi[ix], p, part),
         PrimKind::SphereSweep => sweep::sphere_sweep_normal(&s.sphere_sweeps[ix], p, part),
         PrimKind::JuliaFractal => julia::julia_normal(&s.julias[ix], p),
-        _ => DVec3::Y,
+        PrimKind::Isosurface => implicit::isosurface_normal(&s.isosurfaces[ix], p, part, &field(scene, s.isosurfaces[ix].function)),
+        PrimKind::Parametric => implicit::parametric_normal(&s.parametrics[ix], part, &chart(scene, s.parametrics[ix].functions)),
+        // `world_normal` has it.
+        PrimKind::HeightField => DVec3::Y,
     }
 }
 
@@ -184,6 +211,7 @@ pub fn shape_uv(g: &Geometry, prim: &Prim, p: DVec3, world: DVec3, part: &Part) 
         PrimKind::Lathe => curves::lathe_uv(&s.lathes[ix], p, part),
         PrimKind::Sor => curves::sor_uv(&s.sors[ix], p, part),
         PrimKind::Ovus => sweep::ovus_uv(&s.ovi[ix], p),
+        PrimKind::Parametric => DVec2::new(part.a, part.b),
         _ => DVec2::new(world.x, world.y),
     }
 }
