@@ -6,9 +6,9 @@ use super::shape::implicit::container_bounds;
 use super::shape::mesh::patch_mesh;
 use super::shape::simple::frame_along;
 use super::shape::{
-    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HeightFieldShape, IsosurfaceShape, JuliaShape, LatheShape, MeshShape, OvusShape, ParametricShape,
-    PlaneShape, PolyShape, PolygonShape, PrismShape, QuadricShape, Shapes, SorShape, SphereShape, SphereSweepShape, SuperellipsoidShape,
-    TorusShape, TriangleShape,
+    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HeightFieldShape, IsosurfaceShape, JuliaShape, LatheShape,
+    MeshShape, OvusShape, ParametricShape, PlaneShape, PolyShape, PolygonShape, PrismShape, QuadricShape, Shapes, SorShape, SphereShape,
+    SphereSweepShape, SuperellipsoidShape, TorusShape, TriangleShape,
 };
 use super::tables::TransformTable;
 use super::texture_stub::TextureBuilder;

@@ -1,9 +1,9 @@
 //! What both machines must do, on the CPU: intersect, traverse, pattern, texture, finish, media, light. Twins stand in `shaders/shared/`.
 //! The kernel reads a `CompiledScene` and never allocates per ray.
 
+pub mod cover;
 #[cfg(test)]
 mod geometry_tests;
-pub mod cover;
 pub mod inside;
 pub mod intersect;
 pub mod query;

@@ -148,7 +148,9 @@ pub fn inside_shape(scene: &CompiledScene, prim: &Prim, p: DVec3, inverted: bool
             PrimKind::JuliaFractal => julia::inside_julia(&s.julias[ix], p),
             PrimKind::Isosurface => implicit::inside_isosurface(&s.isosurfaces[ix], p, &field(scene, s.isosurfaces[ix].function)),
             // Surfaces without an inside; spheres and planes went before.
-            PrimKind::Triangle | PrimKind::Polygon | PrimKind::BicubicPatch | PrimKind::Parametric | PrimKind::Sphere | PrimKind::Plane => false,
+            PrimKind::Triangle | PrimKind::Polygon | PrimKind::BicubicPatch | PrimKind::Parametric | PrimKind::Sphere | PrimKind::Plane => {
+                false
+            }
         }
 }
 
