@@ -19,7 +19,7 @@ const MAX_PRIMS: usize = 1 << 26;
 /// Most steps of all programs.
 const MAX_STEPS: usize = 1 << 26;
 /// Deepest nesting of objects; the compile step recurses.
-const MAX_NESTING: usize = 500;
+const MAX_NESTING: usize = 200;
 
 /// What a node hands down to those below it.
 #[derive(Clone)]
@@ -431,7 +431,7 @@ impl<'a> Flattener<'a> {
             (fold(Bounds::EMPTY, Bounds::union, |n| n.bounds), fold(Bounds::UNBOUNDED, Bounds::intersection, |n| n.cobounds))
         };
         let surface_bounds = fold(Bounds::EMPTY, Bounds::union, |n| n.surface_bounds);
-        let solid = list.iter().all(|c| self.nodes[*c].solid);
+        let solid = list.iter().any(|c| self.nodes[*c].solid);
         let kind = match (all, merge) {
             (true, _) => NodeKind::All(list),
             (false, true) => NodeKind::Merge(list),

@@ -31,11 +31,14 @@ pub(super) struct Node {
     pub surface_bounds: Bounds,
     /// Primitives below, those of clip objects included.
     pub prims: Range<u32>,
-    /// All of it has an inside.
+    /// Some of it has an inside.
     pub solid: bool,
     /// Only the first child counts for cutaway textures.
     pub is_difference: bool,
 }
+
+/// Most children under one box test. Picked by feel.
+const GROUP: usize = 8;
 
 /// Writes steps for the nodes of one object.
 pub(super) struct ProgramWriter<'a> {
@@ -54,11 +57,12 @@ impl ProgramWriter<'_> {
                 n.clips.iter().for_each(|c| self.require(*c, true, out));
             }
             (NodeKind::Leaf(p), false) if n.clips.is_empty() => out.push(InsideStep::RequireOut(*p)),
-            (NodeKind::All(children), true) => self.guarded(&n.cobounds, children.len(), out, |w, out| {
-                children.iter().chain(&n.clips).for_each(|c| w.require(*c, true, out));
-            }),
+            (NodeKind::All(children), true) => {
+                self.require_each(children, true, false, out);
+                n.clips.iter().for_each(|c| self.require(*c, true, out));
+            }
             (NodeKind::Any(children) | NodeKind::Merge(children), false) if n.clips.is_empty() => {
-                self.guarded(&n.bounds, children.len(), out, |w, out| children.iter().for_each(|c| w.require(*c, false, out)));
+                self.require_each(children, false, false, out);
             }
             _ => {
                 let holds = if want { &n.cobounds } else { &n.bounds };
@@ -106,15 +110,32 @@ impl ProgramWriter<'_> {
             _ => (&[][..], true),
         };
         if children.len() > 1 {
+            self.require_each(children, want, true, out);
+        }
+        n.clips.iter().for_each(|c| self.require(*c, true, out));
+    }
+
+    /// Steps for all of `children`; with `but_own` a hit's own child is left out. Many children are guarded in groups.
+    fn require_each(&mut self, children: &[usize], want: bool, but_own: bool, out: &mut Vec<InsideStep>) {
+        let nodes = self.nodes;
+        let holds = children.iter().fold(Bounds::EMPTY, |b, c| b.union(if want { nodes[*c].cobounds } else { nodes[*c].bounds }));
+        self.guarded(&holds, children.len(), out, |w, out| {
+            if children.len() > GROUP {
+                let size = children.len().div_ceil(GROUP).max(GROUP);
+                return children.chunks(size).for_each(|part| w.require_each(part, want, but_own, out));
+            }
             for c in children {
                 let p = &nodes[*c].prims;
                 let at = out.len();
-                out.push(InsideStep::Not); // replaced below
-                self.require(*c, want, out);
-                out[at] = InsideStep::SkipOwn { first: p.start, count: p.end - p.start, skip: (out.len() - at - 1) as u32 };
+                if but_own {
+                    out.push(InsideStep::Not); // replaced below
+                }
+                w.require(*c, want, out);
+                if but_own {
+                    out[at] = InsideStep::SkipOwn { first: p.start, count: p.end - p.start, skip: (out.len() - at - 1) as u32 };
+                }
             }
-        }
-        n.clips.iter().for_each(|c| self.require(*c, true, out));
+        });
     }
 
     /// Puts a box test before steps that cannot fail outside `holds`, where that is finite and worth it.

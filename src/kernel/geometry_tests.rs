@@ -149,3 +149,20 @@ fn cut_surfaces_show_the_texture_of_what_they_cut() {
     let block_texture = scene.geometry.surfaces[scene.geometry.prims[0].surface_ix as usize].texture;
     assert_eq!((h.prim_ix, covers.len(), covers[0].texture, covers[0].weight), (1, 1, block_texture, 1.0));
 }
+
+#[test]
+fn many_subtracted_parts_leave_the_same_holes_as_a_few() {
+    // A row of holes: groups of steps are skipped by boxes, the picture must not show it.
+    let holes = (0..100).map(|k| sphere(DVec3::new(f64::from(k), 0.0, 0.0), 0.3));
+    let block = Object::new(Shape::Box { min: DVec3::new(-1.0, -1.0, 0.0), max: DVec3::new(100.0, 1.0, 1.0) });
+    let scene = compiled(vec![csg(Csg::Difference, std::iter::once(block).chain(holes).collect())]);
+    for k in 0..390 {
+        let x = f64::from(k) * 0.25;
+        let from = (x - x.round()).abs();
+        let want = if from < 0.3 { 10.0 + (0.09 - from * from).sqrt() } else { 10.0 };
+        let got = depths(&scene, DVec3::new(x, 0.0, -10.0), DVec3::Z);
+        assert!((got[0] - want).abs() < 1e-9 && (got[1] - 11.0).abs() < 1e-9 && got.len() == 2, "at {x}: {got:?}");
+    }
+    // One program serves all leaves.
+    assert!(scene.geometry.clip_steps.len() < 1000, "{} steps", scene.geometry.clip_steps.len());
+}

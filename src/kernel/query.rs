@@ -7,7 +7,7 @@ use crate::compile::{CompiledScene, compile_object};
 use crate::diag::Sink;
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Ray, Rgbft};
 use crate::scene::spline::SplineKind;
-use crate::scene::{Function, Object, Pigment, SceneQuery, Spline};
+use crate::scene::{Function, Object, Pigment, SceneQuery, Shape, Spline};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -53,7 +53,8 @@ impl SceneQuery for KernelQuery {
 
     fn inside(&self, object: &Arc<Object>, point: DVec3) -> Option<bool> {
         let g = self.compiled(object)?;
-        g.geometry.objects.first().filter(|o| o.solid).map(|_| inside_object(&g, 0, point))
+        let composite = matches!(object.shape, Shape::Csg { .. } | Shape::Group { .. } | Shape::LightGroup { .. });
+        g.geometry.objects.first().filter(|o| o.solid || composite).map(|_| inside_object(&g, 0, point))
     }
 
     fn extent(&self, object: &Arc<Object>) -> Bounds {

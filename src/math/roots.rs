@@ -49,6 +49,11 @@ const STURM_FAR: f64 = 1e7;
 
 /// Roots of the polynomial `c`; `sturm` asks for Sturm chains, a `tolerance` above 0 lets a root near 0 be divided out.
 pub fn solve_polynomial(c: &[f64], sturm: bool, tolerance: f64) -> Roots {
+    solve_polynomial_to(c, sturm, tolerance, STURM_FAR)
+}
+
+/// As [`solve_polynomial`]; Sturm chains look for roots from 0 to `far` only.
+pub fn solve_polynomial_to(c: &[f64], sturm: bool, tolerance: f64, far: f64) -> Roots {
     let lead = c.iter().take(c.len().saturating_sub(1)).take_while(|v| v.abs() < LEADING_EPSILON).count();
     let c = &c[lead..];
     // A last coefficient that is small beside the one before it is a root near 0.
@@ -61,19 +66,19 @@ pub fn solve_polynomial(c: &[f64], sturm: bool, tolerance: f64) -> Roots {
         2 => Roots::of(&[-c[1] / c[0]]),
         3 => solve_quadratic(c[0], c[1], c[2]),
         4 if near_zero(c) => solve_quadratic(c[0], c[1], c[2]),
-        4 if sturm => solve_sturm(c),
+        4 if sturm => solve_sturm(c, far),
         4 => solve_cubic(c[0], c[1], c[2], c[3]),
         5 if near_zero(c) => {
             if sturm {
-                solve_sturm(&c[..4])
+                solve_sturm(&c[..4], far)
             } else {
                 solve_cubic(c[0], c[1], c[2], c[3])
             }
         }
-        5 if sturm || is_difficult(c) => solve_sturm(c),
+        5 if sturm || is_difficult(c) => solve_sturm(c, far),
         5 => solve_quartic(c[0], c[1], c[2], c[3], c[4]),
-        _ if near_zero(c) => solve_sturm(&c[..c.len() - 1]),
-        _ => solve_sturm(c),
+        _ if near_zero(c) => solve_sturm(&c[..c.len() - 1], far),
+        _ => solve_sturm(c, far),
     }
 }
 
@@ -177,44 +182,56 @@ pub fn solve_quartic(a: f64, b: f64, c: f64, d: f64, e: f64) -> Roots {
 
 /// A polynomial of the Sturm chain, from the highest power down.
 #[derive(Clone, Copy)]
-struct Term {
-    c: [f64; MAX_ORDER + 1],
+struct Term<const N: usize> {
+    c: [f64; N],
     order: usize,
 }
 
-impl Term {
+impl<const N: usize> Term<N> {
+    const ZERO: Self = Self { c: [0.0; N], order: 0 };
+
     fn eval(&self, x: f64) -> f64 {
         self.c[..=self.order].iter().fold(0.0, |v, c| v * x + c)
     }
 }
 
-/// Roots between 0 and 1e7, each once, by counting sign changes of a Sturm chain and closing in on every root.
-pub fn solve_sturm(c: &[f64]) -> Roots {
-    let mut out = Roots::default();
+/// Roots between 0 and `far`, each once, by counting sign changes of a Sturm chain and closing in on every root.
+pub fn solve_sturm(c: &[f64], far: f64) -> Roots {
     let order = c.len().saturating_sub(1).min(MAX_ORDER);
     if order == 0 || !c.iter().all(|v| v.is_finite()) || c[0] == 0.0 {
-        return out;
+        return Roots::default();
     }
-    let mut chain: Vec<Term> = Vec::with_capacity(order + 1);
-    let mut p = Term { c: [0.0; MAX_ORDER + 1], order };
-    p.c[..=order].iter_mut().zip(c).for_each(|(a, b)| *a = b / c[0]);
-    let mut d = Term { c: [0.0; MAX_ORDER + 1], order: order - 1 };
+    if order < 8 {
+        sturm::<8>(c, order, far)
+    } else if order < 12 {
+        sturm::<12>(c, order, far)
+    } else {
+        sturm::<{ MAX_ORDER + 1 }>(c, order, far)
+    }
+}
+
+fn sturm<const N: usize>(c: &[f64], order: usize, far: f64) -> Roots {
+    let mut out = Roots::default();
+    let mut chain = [Term::<N>::ZERO; N];
+    chain[0].order = order;
+    chain[0].c.iter_mut().zip(c).for_each(|(a, b)| *a = b / c[0]);
+    chain[1].order = order - 1;
     // The derivative, scaled to a leading 1; positive factors leave signs alone.
     for k in 0..order {
-        d.c[k] = p.c[k] * (order - k) as f64 / order as f64;
+        chain[1].c[k] = chain[0].c[k] * (order - k) as f64 / order as f64;
     }
-    chain.push(p);
-    chain.push(d);
-    while chain[chain.len() - 1].order > 0 && chain.len() <= order {
-        let (u, v) = (&chain[chain.len() - 2], &chain[chain.len() - 1]);
-        match negative_remainder(u, v) {
-            Some(r) => chain.push(r),
+    let mut n = 2;
+    while chain[n - 1].order > 0 && n < N {
+        match negative_remainder(&chain[n - 2], &chain[n - 1]) {
+            Some(r) => chain[n] = r,
             None => break,
         }
+        n += 1;
     }
+    let chain = &chain[..n];
     let changes = |x: f64| {
         let (mut n, mut last) = (0usize, 0.0);
-        for t in &chain {
+        for t in chain {
             let v = t.eval(x);
             if v != 0.0 {
                 if last * v < 0.0 {
@@ -225,15 +242,15 @@ pub fn solve_sturm(c: &[f64]) -> Roots {
         }
         n
     };
-    let (at_low, at_high) = (changes(0.0), changes(STURM_FAR));
+    let (at_low, at_high) = (changes(0.0), changes(far));
     if at_low > at_high {
-        isolate(&chain[0], &changes, 0.0, STURM_FAR, at_low, at_high, &mut out, 0);
+        isolate(&chain[0], &changes, 0.0, far, at_low, at_high, &mut out, 0);
     }
     out
 }
 
 /// -(u mod v), scaled so that its leading coefficient is ±1; `None` when nothing is left.
-fn negative_remainder(u: &Term, v: &Term) -> Option<Term> {
+fn negative_remainder<const N: usize>(u: &Term<N>, v: &Term<N>) -> Option<Term<N>> {
     let mut w = *u;
     let mut at = 0;
     // v leads with ±1.
@@ -253,7 +270,7 @@ fn negative_remainder(u: &Term, v: &Term) -> Option<Term> {
     if at > u.order {
         return None;
     }
-    let mut r = Term { c: [0.0; MAX_ORDER + 1], order: u.order - at };
+    let mut r = Term { c: [0.0; N], order: u.order - at };
     let scale = -1.0 / w.c[at].abs();
     for k in 0..=r.order {
         r.c[k] = w.c[at + k] * scale;
@@ -262,7 +279,10 @@ fn negative_remainder(u: &Term, v: &Term) -> Option<Term> {
 }
 
 /// Bisects until every interval holds one root.
-fn isolate(p: &Term, changes: &impl Fn(f64) -> usize, low: f64, high: f64, n_low: usize, n_high: usize, out: &mut Roots, depth: u32) {
+fn isolate<const N: usize>(
+    p: &Term<N>,
+    changes: &impl Fn(f64) -> usize,
+    low: f64, high: f64, n_low: usize, n_high: usize, out: &mut Roots, depth: u32) {
     let n = n_low.saturating_sub(n_high);
     if n == 0 {
         return;
@@ -297,7 +317,7 @@ fn isolate(p: &Term, changes: &impl Fn(f64) -> usize, low: f64, high: f64, n_low
 }
 
 /// The root between `a` and `b`, where the signs differ.
-fn regula_falsi(p: &Term, mut a: f64, mut b: f64) -> Option<f64> {
+fn regula_falsi<const N: usize>(p: &Term<N>, mut a: f64, mut b: f64) -> Option<f64> {
     let (mut fa, mut fb) = (p.eval(a), p.eval(b));
     if fa == 0.0 {
         return Some(a);
@@ -374,7 +394,7 @@ mod tests {
     #[test]
     fn quartic_without_real_roots_has_none() {
         assert!(solve_quartic(1.0, 0.0, 2.0, 0.0, 1.5).is_empty());
-        assert!(solve_sturm(&[1.0, 0.0, 2.0, 0.0, 1.5]).is_empty());
+        assert!(solve_sturm(&[1.0, 0.0, 2.0, 0.0, 1.5], 1e7).is_empty());
     }
 
     #[test]

@@ -5,7 +5,7 @@
 
 use super::{HitSink, LocalRay, Part, sphere_uv};
 use crate::compile::shape::sweep::{OvusShape, SphereSweepShape, SweepSegment};
-use crate::math::roots::solve_polynomial;
+use crate::math::roots::{solve_polynomial, solve_polynomial_to};
 use crate::math::{DVec2, DVec3, MAX_DISTANCE};
 use std::cell::RefCell;
 
@@ -129,7 +129,7 @@ fn cover(seg: &SweepSegment, piece: f64, ray: &LocalRay, out: &mut Vec<Covered>)
             return;
         }
         falling.iter_mut().for_each(|v| *v /= scale);
-        for u in solve_polynomial(&falling[..m], false, 0.0).iter() {
+        for u in solve_polynomial_to(&falling[..m], false, 0.0, 1.0 + 1e-6).iter() {
             if *u > 0.0 && *u < 1.0 && n_at < at.len() {
                 at[n_at] = *u;
                 n_at += 1;
@@ -186,7 +186,7 @@ pub fn inside_sphere_sweep(s: &SphereSweepShape, p: DVec3) -> bool {
                 poly[2 * n - i - j] += center(i).dot(center(j)) - seg.radius[3 - i] * seg.radius[3 - j];
             }
         }
-        solve_polynomial(&poly[..=2 * n], true, 1e-10).iter().any(|u| (0.0..=1.0).contains(u))
+        solve_polynomial_to(&poly[..=2 * n], true, 1e-10, 1.0 + 1e-6).iter().any(|u| (0.0..=1.0).contains(u))
     })
 }
 
