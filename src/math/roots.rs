@@ -282,7 +282,13 @@ fn negative_remainder<const N: usize>(u: &Term<N>, v: &Term<N>) -> Option<Term<N
 fn isolate<const N: usize>(
     p: &Term<N>,
     changes: &impl Fn(f64) -> usize,
-    low: f64, high: f64, n_low: usize, n_high: usize, out: &mut Roots, depth: u32) {
+    low: f64,
+    high: f64,
+    n_low: usize,
+    n_high: usize,
+    out: &mut Roots,
+    depth: u32,
+) {
     let n = n_low.saturating_sub(n_high);
     if n == 0 {
         return;
