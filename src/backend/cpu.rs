@@ -1,1 +1,151 @@
-//! The CPU back end: rayon over blocks of pixels, f64 geometry, the same picture whatever the thread count.
+//! The CPU: blocks of pixels on all cores. The picture does not depend on the number of threads.
+//!
+//! POV-Ray gives every thread its own random streams, so its noisy pictures change with the number of threads. Here every scene
+//! whose picture depends on the order of rays (`ScenePlan::needs_ordered_rays`) is rendered block after block on one core, with
+//! streams that run on: POV-Ray's own order with one thread. All others are rendered in parallel.
+
+use super::{Backend, BackendError, Progress};
+use crate::compile::CompiledScene;
+use crate::film::Film;
+use crate::integrate::antialias::{Block, Sample, blocks};
+use crate::integrate::classic::{ScenePlan, Tracer};
+use crate::integrate::samples::sample_position;
+use crate::integrate::{IntegratorKind, RenderSettings};
+use rayon::prelude::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// Stack of a rendering thread: deep mirrors and nested texture maps recurse. Only touched pages cost memory.
+const STACK_BYTES: usize = 256 << 20;
+
+/// The processor that runs the program.
+#[derive(Debug)]
+pub struct CpuBackend {
+    threads: usize,
+}
+
+impl CpuBackend {
+    /// With at most `threads` threads (at least 1).
+    pub fn new(threads: usize) -> Self {
+        Self { threads: threads.max(1) }
+    }
+}
+
+impl Backend for CpuBackend {
+    fn name(&self) -> String {
+        format!("CPU, {} thread{}", self.threads, if self.threads == 1 { "" } else { "s" })
+    }
+
+    fn render(
+        &self,
+        scene: &CompiledScene,
+        settings: &RenderSettings,
+        film: &mut Film,
+        progress: &dyn Progress,
+        cancel: &AtomicBool,
+    ) -> Result<(), BackendError> {
+        if settings.integrator != IntegratorKind::Classic {
+            return Err(BackendError::Unsupported("path tracing on the CPU is not built yet".into()));
+        }
+        let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
+        let ordered = ScenePlan::needs_ordered_rays(scene);
+        let threads = if ordered { 1 } else { settings.threads.clamp(1, self.threads) };
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .stack_size(STACK_BYTES)
+            .build()
+            .map_err(|e| BackendError::Unsupported(format!("threads could not be started: {e}")))?;
+        let job = Job { scene, plan: &plan, settings, progress, cancel, done: AtomicU64::new(0), film: Mutex::new(film) };
+        let all = blocks(settings.crop, settings.block_size);
+        pool.install(|| {
+            if ordered {
+                let mut tracer = Tracer::new(scene, &plan);
+                all.iter().for_each(|b| job.render(*b, &mut tracer));
+            } else {
+                all.par_iter().with_max_len(1).for_each(|b| job.render(*b, &mut Tracer::new(scene, &plan)));
+            }
+        });
+        Ok(())
+    }
+}
+
+struct Job<'j> {
+    scene: &'j CompiledScene,
+    plan: &'j ScenePlan,
+    settings: &'j RenderSettings,
+    progress: &'j dyn Progress,
+    cancel: &'j AtomicBool,
+    done: AtomicU64,
+    film: Mutex<&'j mut Film>,
+}
+
+impl Job<'_> {
+    fn render(&self, block: Block, tracer: &mut Tracer) {
+        let [x0, y0, x1, y1] = block;
+        let w = (x1 - x0) as usize;
+        let go_on = || !self.cancel.load(Ordering::Relaxed);
+        if !go_on() {
+            return;
+        }
+        let mut pixels = vec![[0.0f32; 4]; w * (y1 - y0) as usize];
+        let mut n_samples = 1;
+        let rows = match (&self.settings.antialias, self.settings.samples.len()) {
+            (Some(aa), _) => aa.render_block(block, &mut |x, y| tracer.pixel(x, y), &go_on, &mut pixels),
+            (None, 0 | 1) => rows_of(block, &go_on, &mut pixels, |x, y| tracer.pixel(f64::from(x), f64::from(y))),
+            (None, n) => {
+                n_samples = n as u32;
+                rows_of(block, &go_on, &mut pixels, |x, y| self.mean_of_samples(tracer, x, y))
+            }
+        };
+        {
+            let mut film = self.film.lock().expect("no thread panics while it holds the film");
+            for r in 0..rows {
+                for x in x0..x1 {
+                    let at = film.index(x, y0 + r);
+                    let new = pixels[(r as usize) * w + (x - x0) as usize];
+                    add_samples(&mut film, at, new, n_samples, self.settings.samples.start > 0);
+                }
+            }
+        }
+        let [cx0, cy0, cx1, cy1] = self.settings.crop.map(u64::from);
+        let finished = u64::from(rows) * w as u64;
+        let done = self.done.fetch_add(finished, Ordering::Relaxed) + finished;
+        self.progress.pixels(done, (cx1 - cx0) * (cy1 - cy0));
+    }
+
+    fn mean_of_samples(&self, tracer: &mut Tracer, x: u32, y: u32) -> Sample {
+        let mut sum = [0.0f32; 4];
+        let range = self.settings.samples.clone();
+        let n = range.len() as f32;
+        for k in range {
+            let (dx, dy) = sample_position(x, y, k, self.settings.seed);
+            let c = tracer.pixel(f64::from(x) + dx, f64::from(y) + dy);
+            (0..4).for_each(|k| sum[k] += c[k]);
+        }
+        let _ = (self.scene, self.plan);
+        sum.map(|v| v / n)
+    }
+}
+
+/// The mean of old and new samples of a pixel; `join` keeps the old ones.
+fn add_samples(film: &mut Film, at: usize, new: Sample, n_new: u32, join: bool) {
+    let n_old = if join { film.samples[at] } else { 0 };
+    let (a, b) = (n_old as f32, n_new as f32);
+    let old = film.pixels[at];
+    film.pixels[at] = if n_old == 0 { new } else { std::array::from_fn(|k| (old[k] * a + new[k] * b) / (a + b)) };
+    film.samples[at] = n_old + n_new;
+}
+
+/// One value a pixel, row by row; gives the rows finished.
+fn rows_of([x0, y0, x1, y1]: Block, go_on: &impl Fn() -> bool, out: &mut [Sample], mut pixel: impl FnMut(u32, u32) -> Sample) -> u32 {
+    let mut places = out.iter_mut();
+    for y in y0..y1 {
+        if !go_on() {
+            return y - y0;
+        }
+        for (x, place) in (x0..x1).zip(&mut places) {
+            *place = pixel(x, y);
+        }
+    }
+    y1 - y0
+}

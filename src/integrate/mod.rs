@@ -1,5 +1,9 @@
 //! Light transport: `classic` is POV-Ray's, `path` is unbiased. Neither knows which machine the rest of the picture runs on.
 
+pub mod antialias;
+pub mod classic;
+pub mod samples;
+
 /// POV-Ray's antialiasing. Source: spec/light.md, section 12.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Antialias {

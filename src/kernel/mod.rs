@@ -1,11 +1,17 @@
 //! What both machines must do, on the CPU: intersect, traverse, pattern, texture, finish, media, light. Twins stand in `shaders/shared/`.
 //! The kernel reads a `CompiledScene` and never allocates per ray.
 
+pub mod atmosphere;
+pub mod camera;
 pub mod cover;
+pub mod finish;
 #[cfg(test)]
 mod geometry_tests;
 pub mod inside;
 pub mod intersect;
+pub mod lens;
+pub mod light;
+pub mod mesh_camera;
 pub mod query;
 #[cfg(test)]
 mod reference_tests;

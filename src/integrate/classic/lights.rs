@@ -1,0 +1,144 @@
+//! The light of lamps on one layer of a surface. Source: spec/light.md, section 6.
+
+use super::cover;
+use super::shade::HitContext;
+use super::trace::Tracer;
+use crate::compile::geometry::prim_flags;
+use crate::kernel::PatternPoint;
+use crate::kernel::finish::{highlights, power, thin_film};
+use crate::kernel::light::{LightRay, area_axes, area_offset, attenuation, light_ray};
+use crate::math::{DVec3, EPSILON, Rgb, Vec3};
+use crate::scene::{Finish, Light};
+
+/// A layer as lamps see it.
+pub(super) struct LitLayer<'l> {
+    pub finish: &'l Finish,
+    pub normal: DVec3,
+    pub color: Rgb,
+    /// How much of the layer is opaque.
+    pub att: f64,
+    pub irid_noise: f64,
+}
+
+/// Whether a light's colour is too dark to matter.
+#[inline]
+pub(super) fn is_dark(c: Rgb) -> bool {
+    c.abs().max_element() < EPSILON as f32
+}
+
+impl Tracer<'_> {
+    /// All lamps that shine on the hit's object, on one layer.
+    pub(super) fn lamps_on_layer(
+        &mut self,
+        ctx: &HitContext,
+        finish: &Finish,
+        normal: DVec3,
+        color: Rgb,
+        att: f64,
+        _p: &PatternPoint,
+    ) -> Rgb {
+        let plan = self.plan;
+        let irid_noise = if finish.irid[0] != 0.0 { cover::irid_noise(self.scene, finish, ctx.hit.point) } else { 0.5 };
+        let layer = LitLayer { finish, normal, color, att, irid_noise };
+        let mut sum = Vec3::ZERO;
+        if ctx.prim.flags & prim_flags::NO_GLOBAL_LIGHTS == 0 {
+            for (k, light_ix) in plan.global_lights.iter().enumerate() {
+                sum += self.lamp(ctx, &layer, *light_ix, Some(ctx.lit_base + k));
+            }
+        }
+        if let Some(lights) = plan.group_lights.get(ctx.prim.group_ix as usize) {
+            for light_ix in lights {
+                sum += self.lamp(ctx, &layer, *light_ix, None);
+            }
+        }
+        sum
+    }
+
+    /// One lamp on one layer. `memo` is the place of its filtered colour in `Tracer::lit`.
+    fn lamp(&mut self, ctx: &HitContext, layer: &LitLayer, light_ix: u32, memo: Option<usize>) -> Rgb {
+        let scene = self.scene;
+        let compiled = &scene.lights[light_ix as usize];
+        let light = &compiled.light;
+        let point = ctx.hit.point;
+        let way = light_ray(light, point, DVec3::ZERO);
+        let area = light.area.as_ref().filter(|_| self.plan.quality.area_lights && !ctx.ray.gathers);
+        let spread = area.filter(|a| a.area_illumination);
+        let arriving = if spread.is_some() { light.color } else { light.color * attenuation(light, point, &way) as f32 };
+        if is_dark(arriving) {
+            return Vec3::ZERO;
+        }
+        let mut behind = false;
+        if spread.is_none() && !Self::double_illuminated(ctx) && way.dir.dot(layer.normal) < EPSILON {
+            if layer.finish.diffuse_back == 0.0 {
+                return Vec3::ZERO;
+            }
+            behind = true;
+        }
+        let tested = self.plan.quality.shadows && (!light.shadowless || compiled.projected_through != crate::compile::NONE);
+        let filtered = match memo.and_then(|k| self.lit[k]) {
+            _ if !tested => arriving,
+            Some(known) => known,
+            None => {
+                let c = match area {
+                    Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, arriving),
+                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving),
+                };
+                if let Some(k) = memo {
+                    self.lit[k] = Some(c);
+                }
+                c
+            }
+        };
+        if is_dark(filtered) {
+            return Vec3::ZERO;
+        }
+        let Some(a) = spread else { return self.answer(ctx, layer, light, &way, filtered, behind) };
+        let mut sum = Vec3::ZERO;
+        let share = filtered / (a.n1 * a.n2) as f32;
+        let axes = area_axes(a, way.dir);
+        for v in 0..a.n2 {
+            for u in 0..a.n1 {
+                let offset = area_offset(a, axes, self.area_place(u, a.jitter, a.n1), self.area_place(v, a.jitter, a.n2));
+                let way = light_ray(light, point, offset);
+                let color = share * attenuation(light, point, &way) as f32;
+                let mut behind = false;
+                if !Self::double_illuminated(ctx) && way.dir.dot(layer.normal) < EPSILON {
+                    if layer.finish.diffuse_back == 0.0 {
+                        continue;
+                    }
+                    behind = true;
+                }
+                sum += self.answer(ctx, layer, light, &way, color, behind);
+            }
+        }
+        sum
+    }
+
+    /// Grid index of an area light, moved by up to half a cell when jittered.
+    pub(super) fn area_place(&mut self, index: u32, jitter: bool, n: u32) -> f64 {
+        let place = f64::from(index);
+        if jitter && n > 1 { place + self.random.draw() - 0.5 } else { place }
+    }
+
+    /// What a layer gives back of light of a colour from a direction.
+    fn answer(&mut self, ctx: &HitContext, layer: &LitLayer, light: &Light, way: &LightRay, color: Rgb, behind: bool) -> Rgb {
+        let f = layer.finish;
+        let mut sum = Vec3::ZERO;
+        let diffuse = f64::from(if behind { f.diffuse_back } else { f.diffuse });
+        if diffuse != 0.0 {
+            let cos = layer.normal.dot(way.dir).abs();
+            let mut intensity = diffuse * layer.att * power(cos, f64::from(f.brilliance));
+            if f.crand != 0.0 {
+                intensity -= self.grain.draw() * f64::from(f.crand);
+            }
+            sum += intensity as f32 * layer.color * color;
+        }
+        if !behind && !light.shadowless && !ctx.ray.gathers && (f.phong != 0.0 || f.specular != 0.0) {
+            sum += highlights(f, ctx.ray.ray.dir, layer.normal, way.dir, layer.color) * color;
+        }
+        if f.irid[0] != 0.0 {
+            sum *= thin_film(f, self.scene.settings.irid_wavelength, ctx.ray.ray.dir, layer.normal, way.dir, layer.irid_noise);
+        }
+        sum
+    }
+}

@@ -1,0 +1,20 @@
+//! POV-Ray's light transport, ray by ray, as spec/light.md describes it. Deterministic: the same rays in the same order see the same.
+//!
+//! [`Tracer`] holds what one stream of rays changes (level, random streams, memories); [`ScenePlan`] what all share.
+//! A pixel asks [`Tracer::pixel`]; the way down is `trace` → `shade` → `lights` → `shadow`, with `refract`, `sky` and `media` beside.
+
+mod cover;
+mod inline_vec;
+mod lights;
+mod pixel;
+mod plan;
+mod principled;
+mod ray;
+mod refract;
+mod shade;
+mod shadow;
+mod sky;
+mod trace;
+
+pub use plan::ScenePlan;
+pub use trace::Tracer;

@@ -1,0 +1,87 @@
+//! One picture position: camera rays, the lens of focal blur, the rays of a mesh camera. Source: spec/light.md, sections 1 and 11.
+
+use super::cover;
+use super::plan::interiors_at;
+use super::ray::{Seen, TraceRay};
+use super::trace::Tracer;
+use crate::kernel::PatternPoint;
+use crate::kernel::lens::Lens;
+use crate::math::{DVec2, DVec3, Ray, Vec3};
+
+impl Tracer<'_> {
+    /// Colour and transmit seen at picture position (x, y): integers are pixel centres, y runs down.
+    pub fn pixel(&mut self, x: f64, y: f64) -> [f32; 4] {
+        let plan = self.plan;
+        if let Some(mesh) = &plan.camera.mesh {
+            let (mut sum, mut n) = ([0.0f32; 4], 0u32);
+            for m in 0..mesh.n_rays() {
+                if let Some(ray) = mesh.ray(m, x, y, plan.camera.resolution()) {
+                    let c = self.camera_ray(ray, mesh.max_depth());
+                    (0..4).for_each(|k| sum[k] += c[k]);
+                    n += 1;
+                }
+            }
+            return if n == 0 { self.nothing() } else { sum.map(|v| v / n as f32) };
+        }
+        if let Some(lens) = &plan.camera.lens {
+            return self.blurred(lens, x, y);
+        }
+        match plan.camera.ray(x, y) {
+            Some((ray, at)) => {
+                let ray = self.bent(ray, at);
+                self.camera_ray(ray, f64::INFINITY)
+            }
+            None => self.nothing(),
+        }
+    }
+
+    /// What a projection shows beyond its rim.
+    fn nothing(&self) -> [f32; 4] {
+        [0.0, 0.0, 0.0, if self.plan.output_alpha { 1.0 } else { 0.0 }]
+    }
+
+    fn blurred(&mut self, lens: &Lens, x: f64, y: f64) -> [f32; 4] {
+        let (mut sum, mut sum_sq) = ([0.0f32; 4], [0.0f32; 4]);
+        let (mut n, mut group) = (0u32, 0usize);
+        while n < lens.max_samples() {
+            for _ in 0..lens.group(group).min(lens.max_samples() - n) {
+                let c = match self.plan.camera.lens_ray(lens, x, y, n) {
+                    Some((ray, at)) => {
+                        let ray = self.bent(ray, at);
+                        self.camera_ray(ray, f64::INFINITY)
+                    }
+                    None => self.nothing(),
+                };
+                for k in 0..4 {
+                    sum[k] += c[k];
+                    sum_sq[k] += c[k] * c[k];
+                }
+                n += 1;
+            }
+            group += 1;
+            if lens.is_settled(n, sum, sum_sq) {
+                break;
+            }
+        }
+        sum.map(|v| v / n as f32)
+    }
+
+    /// The ray with the camera's normal applied to its direction.
+    fn bent(&self, ray: Ray, at: DVec3) -> Ray {
+        let Some(normal_ix) = self.plan.camera.normal_ix else { return ray };
+        let p = PatternPoint { point: at, uv: DVec2::ZERO, world: at, normal: DVec3::ZERO, ray_dir: DVec3::ZERO };
+        let dir = cover::perturb_in_world(self.scene, normal_ix, ray.dir, &p);
+        Ray::new(ray.origin, dir.try_normalize().unwrap_or(ray.dir))
+    }
+
+    fn camera_ray(&mut self, ray: Ray, max_depth: f64) -> [f32; 4] {
+        let interiors = match &self.plan.camera_interiors {
+            Some(list) => list.clone(),
+            None => interiors_at(self.scene, ray.origin),
+        };
+        let r = TraceRay { max_depth, ..TraceRay::primary(ray, interiors) };
+        let Seen { rgb, transmit, .. } = self.trace(&r, 1.0, false);
+        let rgb = if rgb.is_finite() { rgb } else { Vec3::ZERO };
+        [rgb.x, rgb.y, rgb.z, transmit]
+    }
+}

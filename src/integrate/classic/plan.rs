@@ -1,0 +1,105 @@
+//! What every tracer of a scene shares, worked out once before the first ray.
+
+use super::ray::InteriorList;
+use crate::compile::{CompiledScene, NONE};
+use crate::kernel::camera::CameraModel;
+use crate::kernel::inside::containing_interiors;
+
+/// What POV-Ray's quality levels switch. Source: spec/light.md, section 13.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names say it")]
+pub struct Quality {
+    pub lights: bool,
+    pub shadows: bool,
+    pub area_lights: bool,
+    pub refraction: bool,
+    pub quick_colors: bool,
+    pub reflection: bool,
+    pub normals: bool,
+    pub volumes: bool,
+}
+
+impl Quality {
+    fn new(level: u8) -> Self {
+        Self {
+            lights: level >= 2,
+            shadows: level >= 4,
+            area_lights: level >= 5,
+            refraction: level >= 6,
+            quick_colors: level <= 5,
+            reflection: level >= 8,
+            normals: level >= 8,
+            volumes: level >= 9,
+        }
+    }
+}
+
+/// A scene ready to be traced at one size.
+pub struct ScenePlan {
+    /// Camera rays.
+    pub camera: CameraModel,
+    /// Interiors around a camera that stays in place.
+    pub camera_interiors: Option<InteriorList>,
+    /// What the quality level allows.
+    pub quality: Quality,
+    /// Lights outside light groups, in the order of the file.
+    pub global_lights: Vec<u32>,
+    /// By light group: its lights and those of the groups around it.
+    pub group_lights: Vec<Vec<u32>>,
+    /// Language 3.7 rules for layers and skies.
+    pub modern: bool,
+    /// Background is transparent to camera rays.
+    pub output_alpha: bool,
+    /// Any interior or the air has media.
+    pub has_media: bool,
+}
+
+impl ScenePlan {
+    /// Prepares a scene for a picture of `width` x `height` pixels.
+    pub fn new(scene: &CompiledScene, width: u32, height: u32, output_alpha: bool) -> Self {
+        let camera = CameraModel::new(scene, width, height);
+        let camera_interiors = camera.has_fixed_origin().then(|| interiors_at(scene, camera.location()));
+        let global_lights = (0..scene.lights.len() as u32).filter(|k| scene.lights[*k as usize].group_ix == NONE).collect();
+        let group_lights = (0..scene.light_groups.len() as u32).map(|g| lights_of_group(scene, g)).collect();
+        Self {
+            camera,
+            camera_interiors,
+            quality: Quality::new(scene.options.quality),
+            global_lights,
+            group_lights,
+            modern: scene.settings.version >= 370,
+            output_alpha,
+            has_media: !scene.media.is_empty(),
+        }
+    }
+
+    /// Whether the picture depends on the order of rays: then blocks are rendered one after another, with streams that run on,
+    /// which is also how POV-Ray does it with one thread.
+    pub fn needs_ordered_rays(scene: &CompiledScene) -> bool {
+        let jittered_light = scene.lights.iter().any(|l| l.light.area.as_ref().is_some_and(|a| a.jitter));
+        let jittered_bow = scene.rainbows.iter().any(|r| r.jitter != 0.0);
+        let random_media = scene.media.iter().any(|m| m.params.method != 3 || m.params.jitter != 0.0);
+        let f = &scene.features;
+        scene.options.quality >= 5 && jittered_light || jittered_bow || random_media || f.crand || f.radiosity || f.subsurface
+    }
+}
+
+fn lights_of_group(scene: &CompiledScene, group: u32) -> Vec<u32> {
+    let (mut lights, mut g) = (Vec::new(), group);
+    // A parent stands before its children, so this ends.
+    while let Some(record) = scene.light_groups.get(g as usize) {
+        lights.extend_from_slice(&record.lights);
+        g = record.parent;
+    }
+    lights
+}
+
+/// The interiors of all objects that contain a point.
+pub fn interiors_at(scene: &CompiledScene, p: crate::math::DVec3) -> InteriorList {
+    let mut found = Vec::new();
+    containing_interiors(scene, p, &mut found);
+    let mut list = InteriorList::default();
+    found.into_iter().for_each(|i| list.push(scene, i));
+    list
+}
+

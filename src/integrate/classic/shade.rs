@@ -1,0 +1,244 @@
+//! A hit becomes a colour: covers, layers, finish, then what is seen through and in the mirror.
+//! Source: spec/light.md, section 3; spec/textures.md, section 5.
+
+use super::cover::{self, Cover, Space};
+use super::inline_vec::InlineVec;
+use super::ray::{Seen, TraceRay};
+use super::refract::Through;
+use super::trace::Tracer;
+use crate::compile::geometry::{Prim, prim_flags};
+use crate::compile::texture::TextureNode;
+use crate::kernel::finish::{reflect, reflected_power, reflectivity, thin_film};
+use crate::kernel::{PatternPoint, SurfaceHit};
+use crate::math::color::grey;
+use crate::math::{DVec3, EPSILON, Rgb, Rgbft, Vec3};
+use crate::scene::Finish;
+
+/// Everything about a hit that its layers share.
+pub(super) struct HitContext<'h> {
+    pub ray: &'h TraceRay,
+    pub hit: &'h SurfaceHit,
+    pub prim: &'h Prim,
+    /// Geometric normal turned to the viewer.
+    pub normal: DVec3,
+    /// First of the hit's entries in `Tracer::lit`.
+    pub lit_base: usize,
+    pub weight: f64,
+}
+
+/// A mirror of a layer, traced after the layers.
+#[derive(Clone, Copy, Default)]
+struct Mirror {
+    factor: Rgb,
+    normal: DVec3,
+    weight: f64,
+    finish: u32,
+}
+
+/// What the layers of a texture leave to be traced.
+struct Layered {
+    rgb: Rgb,
+    /// What the layers do to light behind them.
+    factor: Rgb,
+    /// Brightness of `factor`, 0..=1.
+    trans: f64,
+    /// Some layer had a colour.
+    colored: bool,
+    top_normal: DVec3,
+    mirrors: InlineVec<Mirror, 4>,
+}
+
+impl Tracer<'_> {
+    /// Colour and transmit of a hit, media of the way to it included.
+    pub(super) fn shade(&mut self, r: &TraceRay, hit: &SurfaceHit, weight: f64) -> (Rgb, f32) {
+        let g = &self.scene.geometry;
+        let prim = &g.prims[hit.prim_ix as usize];
+        let from_inside = hit.normal.dot(r.ray.dir) > 0.0;
+        let normal = if from_inside { -hit.normal } else { hit.normal };
+        let lit_base = self.lit.len();
+        self.lit.resize(lit_base + self.plan.global_lights.len(), None);
+        let ctx = HitContext { ray: r, hit, prim, normal, lit_base, weight };
+        let covers = cover::covers_at(self.scene, hit, prim, from_inside, self.adc_bailout);
+        let (mut rgb, mut transmit) = (Vec3::ZERO, 0.0);
+        for k in 0..covers.len() {
+            let (c, weight) = covers.get(k);
+            let (color, t) = self.shade_cover(&ctx, c);
+            rgb += weight * color;
+            transmit += weight * t;
+        }
+        self.lit.truncate(lit_base);
+        if self.plan.has_media && self.plan.quality.volumes && r.interiors.is_hollow() {
+            (rgb, transmit) = self.inside_media(r, hit, rgb, transmit);
+        }
+        (rgb, transmit)
+    }
+
+    fn shade_cover(&mut self, ctx: &HitContext, cover: Cover) -> (Rgb, f32) {
+        let p = cover::pattern_point(self.scene, ctx.hit, ctx.prim, &cover, ctx.normal, ctx.ray.ray.dir);
+        self.shade_texture(ctx, cover.texture, &p, &Space::of_cover(&cover), ctx.weight)
+    }
+
+    fn shade_texture(&mut self, ctx: &HitContext, texture: u32, p: &PatternPoint, space: &Space, weight: f64) -> (Rgb, f32) {
+        let scene = self.scene;
+        match &scene.textures.textures[texture as usize] {
+            TextureNode::Layers { start, len } => {
+                let layers = self.shade_layers(ctx, *start, *len, p, space, weight);
+                self.finish_layers(ctx, layers, weight)
+            }
+            TextureNode::Principled(ix) => self.shade_principled(ctx, *ix, p, weight),
+            node => {
+                let parts = cover::blend(scene, node, p);
+                let inner = Space { parent: Some(space), step: parts.step };
+                let (mut rgb, mut transmit) = (Vec3::ZERO, 0.0);
+                for k in 0..parts.entries.len() {
+                    let (texture, share) = parts.entries.get(k);
+                    let (color, t) = self.shade_texture(ctx, texture, &parts.point, &inner, weight);
+                    rgb += share * color;
+                    transmit += share * t;
+                }
+                (rgb, transmit)
+            }
+        }
+    }
+
+    /// Layers from the top (written last) to the bottom, their own light only.
+    fn shade_layers(&mut self, ctx: &HitContext, start: u32, len: u32, p: &PatternPoint, space: &Space, weight: f64) -> Layered {
+        let scene = self.scene;
+        let quality = self.plan.quality;
+        let mut out = Layered {
+            rgb: Vec3::ZERO,
+            factor: Vec3::ONE,
+            trans: 1.0,
+            colored: false,
+            top_normal: ctx.normal,
+            mirrors: InlineVec::default(),
+        };
+        for (nth, k) in (start..start + len).rev().enumerate() {
+            let layer = scene.textures.layers[k as usize];
+            let mut normal = ctx.normal;
+            if quality.normals && layer.normal != crate::compile::NONE {
+                normal = cover::perturb(scene, layer.normal, normal, p, space);
+            }
+            if nth == 0 {
+                out.top_normal = normal;
+            }
+            let at = PatternPoint { normal, ..*p };
+            let found = cover::layer_color(scene, layer.pigment, &at, quality.quick_colors);
+            let color = found.unwrap_or(Rgbft::CLEAR);
+            if !quality.lights {
+                out.rgb += out.factor * color.rgb;
+                out.trans = 0.0;
+                return out;
+            }
+            let finish = &scene.textures.finishes[layer.finish as usize];
+            let mirror = self.mirror_factor(ctx, finish, normal, color.rgb);
+            if let (Some(factor), true) = (mirror, quality.reflection) {
+                let strength = if finish.reflection.fresnel { factor } else { finish.reflection.max.max(finish.reflection.min) };
+                let weight = weight * out.trans * f64::from(strength.max_element());
+                out.mirrors.push(Mirror { factor, normal, weight, finish: layer.finish });
+            }
+            let att = if self.plan.modern {
+                f64::from(color.opacity())
+            } else {
+                1.0 - f64::from(color.filter * color.rgb.max_element() + color.transmit)
+            };
+            out.rgb += out.factor * self.own_light(ctx, finish, normal, color.rgb, att, p);
+            if found.is_some() {
+                out.colored = true;
+                out.factor *= color.transmittance();
+                if let (Some(r), true) = (mirror, finish.conserve_energy) {
+                    out.factor *= (Vec3::ONE - r).min(Vec3::ONE);
+                }
+            }
+            out.trans = f64::from(grey(out.factor).abs()).min(1.0);
+            if out.trans <= self.adc_bailout {
+                break;
+            }
+        }
+        out
+    }
+
+    /// Reflectivity of a finish, if it has any.
+    fn mirror_factor(&self, ctx: &HitContext, finish: &Finish, normal: DVec3, color: Rgb) -> Option<Rgb> {
+        let refl = &finish.reflection;
+        if refl.min == Vec3::ZERO && refl.max == Vec3::ZERO {
+            return None;
+        }
+        let ior = if refl.fresnel { self.relative_ior(&ctx.ray.interiors, ctx.prim.interior_ix) } else { 1.0 };
+        Some(reflectivity(refl, -ctx.ray.ray.dir.dot(normal), ior, color))
+    }
+
+    /// Ambient, emission and the light of lamps on one layer.
+    fn own_light(&mut self, ctx: &HitContext, finish: &Finish, normal: DVec3, color: Rgb, att: f64, p: &PatternPoint) -> Rgb {
+        let settings = &self.scene.settings;
+        let mut sum = Vec3::ZERO;
+        let gathered = self.plan.quality.volumes && settings.radiosity.is_some();
+        if !(gathered && self.plan.modern) {
+            sum += color * finish.ambient * settings.ambient_light * att as f32;
+        }
+        sum += color * finish.emission * att as f32;
+        if finish.diffuse != 0.0 || finish.diffuse_back != 0.0 || finish.specular != 0.0 || finish.phong != 0.0 {
+            sum += self.lamps_on_layer(ctx, finish, normal, color, att, p);
+        }
+        sum
+    }
+
+    /// Adds what is seen through the layers and in their mirrors.
+    fn finish_layers(&mut self, ctx: &HitContext, layers: Layered, weight: f64) -> (Rgb, f32) {
+        let Layered { mut rgb, factor, trans, colored, top_normal, mirrors } = layers;
+        let (mut transmit, mut total_reflection) = (0.0, false);
+        if self.plan.quality.refraction && trans > self.adc_bailout {
+            let weight = weight * f64::from(factor.abs().max_element());
+            let attenuation = self.interior_attenuation(ctx);
+            match self.through(ctx, top_normal, weight) {
+                Through::Transmitted(seen) => {
+                    let filter = if colored { factor } else { Vec3::ONE };
+                    rgb += attenuation * filter * seen.rgb;
+                    transmit = trans as f32 * seen.transmit;
+                }
+                Through::TotallyReflected(seen) => {
+                    total_reflection = true;
+                    rgb += attenuation * seen.rgb;
+                }
+            }
+        }
+        for k in 0..mirrors.len() {
+            let m = mirrors.get(k);
+            if total_reflection && (m.normal - top_normal).abs().max_element() <= EPSILON {
+                continue;
+            }
+            rgb += m.factor * self.mirrored(ctx, &m);
+        }
+        (rgb, transmit)
+    }
+
+    fn mirrored(&mut self, ctx: &HitContext, m: &Mirror) -> Rgb {
+        let finish = &self.scene.textures.finishes[m.finish as usize];
+        let dir = reflect(ctx.ray.ray.dir, m.normal, ctx.normal);
+        let seen = self.reflected_ray(ctx, dir, m.weight);
+        let mut color = reflected_power(seen.rgb, finish.reflection.exponent);
+        if finish.irid[0] != 0.0 {
+            let noise = cover::irid_noise(self.scene, finish, ctx.hit.point);
+            color *= thin_film(finish, self.scene.settings.irid_wavelength, ctx.ray.ray.dir, m.normal, dir, noise);
+        }
+        color
+    }
+
+    /// Traces a ray that leaves the hit on the side it came from.
+    pub(super) fn reflected_ray(&mut self, ctx: &HitContext, dir: DVec3, weight: f64) -> Seen {
+        let ray = TraceRay {
+            ray: crate::math::Ray::new(ctx.hit.point, dir),
+            max_depth: f64::INFINITY,
+            interiors: ctx.ray.interiors.clone(),
+            reflected: true,
+            gathers: ctx.ray.gathers,
+            wavelength: ctx.ray.wavelength,
+        };
+        self.trace(&ray, weight, false)
+    }
+
+    /// Whether both sides of the hit are lit.
+    pub(super) fn double_illuminated(ctx: &HitContext) -> bool {
+        ctx.prim.flags & prim_flags::DOUBLE_ILLUMINATE != 0
+    }
+}

@@ -1,0 +1,199 @@
+//! What arrives of a light at a point: shadow rays through clear things, grids of area lights. Source: spec/light.md, section 6.
+
+use super::cover;
+use super::lights::is_dark;
+use super::ray::InteriorList;
+use super::refract::fade_factor;
+use super::trace::Tracer;
+use crate::compile::NONE;
+use crate::compile::texture::TextureNode;
+use crate::kernel::atmosphere::fog_effect;
+use crate::kernel::light::{LightRay, area_axes, area_offset, light_ray};
+use crate::kernel::traverse::{SHADOW_TOLERANCE, ShadowHit, intersect_object, intersect_shadow};
+use crate::kernel::{PatternPoint, SurfaceHit};
+use crate::math::{DVec3, Ray, Rgb, Rgbft, Vec3};
+use crate::scene::light::AreaLight;
+
+/// Most clear surfaces that one shadow ray passes.
+const MAX_CLEAR_SURFACES: usize = 10_000;
+
+impl Tracer<'_> {
+    /// `color` less what stands between `point` and the light along `way`.
+    pub(super) fn unshadowed(&mut self, light_ix: u32, around: &InteriorList, point: DVec3, way: &LightRay, color: Rgb) -> Rgb {
+        let scene = self.scene;
+        let compiled = &scene.lights[light_ix as usize];
+        let mut ray = Ray::new(point, way.dir);
+        let mut left = way.distance;
+        if compiled.projected_through != NONE {
+            match intersect_object(scene, compiled.projected_through, &ray, SHADOW_TOLERANCE, left) {
+                Some(hit) => left = hit.t,
+                None => return Vec3::ZERO,
+            }
+        }
+        if compiled.light.shadowless {
+            return color;
+        }
+        let slot = usize::from(self.level > 1);
+        let mut color = color;
+        let mut interiors: Option<InteriorList> = None;
+        for _ in 0..MAX_CLEAR_SURFACES {
+            if left <= 2.0 * SHADOW_TOLERANCE {
+                break;
+            }
+            let last = self.blockers[light_ix as usize][slot];
+            match intersect_shadow(scene, &ray, SHADOW_TOLERANCE, left - SHADOW_TOLERANCE, last) {
+                ShadowHit::None => break,
+                ShadowHit::Opaque { prim_ix } => {
+                    self.blockers[light_ix as usize][slot] = prim_ix;
+                    return Vec3::ZERO;
+                }
+                ShadowHit::Transparent(hit) => {
+                    let list = interiors.get_or_insert_with(|| around.clone());
+                    color *= self.surface_filter(&ray, &hit, list);
+                    color = self.shadow_air(light_ix, &ray, hit.t, list, color, Some(&hit));
+                    if is_dark(color) {
+                        return Vec3::ZERO;
+                    }
+                    list.toggle(scene, scene.geometry.prims[hit.prim_ix as usize].interior_ix);
+                    ray.origin = hit.point;
+                    left -= hit.t;
+                }
+            }
+        }
+        if left > SHADOW_TOLERANCE {
+            let list = interiors.as_ref().unwrap_or(around);
+            color = self.shadow_air(light_ix, &ray, left, list, color, None);
+        }
+        color
+    }
+
+    /// What the air and the media on `0..depth` of a shadow ray leave of `color`; `hit` ends the piece unless it ends at the light.
+    fn shadow_air(&mut self, light_ix: u32, ray: &Ray, depth: f64, around: &InteriorList, color: Rgb, hit: Option<&SurfaceHit>) -> Rgb {
+        if !self.plan.quality.volumes {
+            return color;
+        }
+        let scene = self.scene;
+        let light = &scene.lights[light_ix as usize].light;
+        let mut color = color;
+        if self.plan.has_media {
+            color = self.shadow_media(light, ray, depth, around, color, hit.is_some());
+        }
+        if !scene.fogs.is_empty() && light.media_attenuation && light.media_interaction && around.is_hollow() {
+            color *= fog_effect(&scene.fogs, ray, depth, |fog, p| cover::fog_turbulence(scene, fog, p)).factor;
+        }
+        color
+    }
+
+    /// What a clear surface lets through, with the fading of the way inside it.
+    fn surface_filter(&self, ray: &Ray, hit: &SurfaceHit, around: &InteriorList) -> Rgb {
+        let scene = self.scene;
+        let prim = &scene.geometry.prims[hit.prim_ix as usize];
+        let from_inside = hit.normal.dot(ray.dir) > 0.0;
+        let normal = if from_inside { -hit.normal } else { hit.normal };
+        let covers = cover::covers_at(scene, hit, prim, from_inside, self.adc_bailout);
+        let interior = &scene.interiors[prim.interior_ix as usize];
+        let mut sum = Vec3::ZERO;
+        for k in 0..covers.len() {
+            let (c, weight) = covers.get(k);
+            let p = cover::pattern_point(scene, hit, prim, &c, normal, ray.dir);
+            sum += weight * self.texture_filter(c.texture, &p, &cover::Space::of_cover(&c), ray.dir, interior.caustics);
+        }
+        if interior.fade_power > 0.0 && around.position(prim.interior_ix).is_some() {
+            sum *= fade_factor(interior, hit.t);
+        }
+        sum
+    }
+
+    fn texture_filter(&self, texture: u32, p: &PatternPoint, space: &cover::Space, dir: DVec3, caustics: f64) -> Rgb {
+        let scene = self.scene;
+        match &scene.textures.textures[texture as usize] {
+            TextureNode::Layers { start, len } => {
+                let mut product = Vec3::ONE;
+                for k in (*start..*start + *len).rev() {
+                    let layer = scene.textures.layers[k as usize];
+                    let mut normal = p.normal;
+                    if self.plan.quality.normals && layer.normal != NONE {
+                        normal = cover::perturb(scene, layer.normal, normal, p, space);
+                    }
+                    let at = PatternPoint { normal, ..*p };
+                    let color = cover::layer_color(scene, layer.pigment, &at, self.plan.quality.quick_colors).unwrap_or(Rgbft::CLEAR);
+                    product *= color.transmittance();
+                    if caustics != 0.0 {
+                        product *= (1.0 + dir.dot(normal).abs().powf(caustics)) as f32;
+                    }
+                }
+                product
+            }
+            TextureNode::Principled(ix) => self.principled_filter(*ix, p),
+            node => {
+                let parts = cover::blend(scene, node, p);
+                let inner = cover::Space { parent: Some(space), step: parts.step };
+                (0..parts.entries.len()).fold(Vec3::ZERO, |sum, k| {
+                    let (texture, share) = parts.entries.get(k);
+                    sum + share * self.texture_filter(texture, &parts.point, &inner, dir, caustics)
+                })
+            }
+        }
+    }
+
+    /// The mean over an area light's grid, by quadrants, of what arrives from its points.
+    pub(super) fn through_area(
+        &mut self,
+        light_ix: u32,
+        area: &AreaLight,
+        around: &InteriorList,
+        point: DVec3,
+        way: &LightRay,
+        color: Rgb,
+    ) -> Rgb {
+        let mut points = std::mem::take(&mut self.area_points);
+        points.clear();
+        points.resize(area.n1 as usize * area.n2 as usize, None);
+        let mut grid = AreaGrid { light_ix, area, axes: area_axes(area, way.dir), around, point, color, points };
+        let mean = self.area_part(&mut grid, [0, 0, area.n1.max(1) - 1, area.n2.max(1) - 1], 0);
+        self.area_points = grid.points;
+        mean
+    }
+
+    fn area_part(&mut self, grid: &mut AreaGrid, [u1, v1, u2, v2]: [u32; 4], level: u32) -> Rgb {
+        let c = [(u1, v1), (u2, v1), (u1, v2), (u2, v2)].map(|(u, v)| self.area_point(grid, u, v));
+        if u2 - u1 > 1 || v2 - v1 > 1 {
+            let differ = |a: usize, b: usize| (c[a] - c[b]).abs().element_sum() > 0.1;
+            if level < grid.area.adaptive || differ(0, 1) || differ(1, 3) || differ(3, 2) || differ(2, 0) {
+                let (ul, uh, vl, vh) = ((u1 + u2) / 2, (u1 + u2).div_ceil(2), (v1 + v2) / 2, (v1 + v2).div_ceil(2));
+                let parts = [[u1, v1, ul, vl], [uh, v1, u2, vl], [u1, vh, ul, v2], [uh, vh, u2, v2]];
+                let mut sum = Vec3::ZERO;
+                for part in parts {
+                    sum += self.area_part(grid, part, level + 1);
+                }
+                return 0.25 * sum;
+            }
+        }
+        0.25 * (c[0] + c[1] + c[2] + c[3])
+    }
+
+    fn area_point(&mut self, grid: &mut AreaGrid, u: u32, v: u32) -> Rgb {
+        let place = (u * grid.area.n2 + v) as usize;
+        if let Some(c) = grid.points[place] {
+            return c;
+        }
+        let (ju, jv) = (self.area_place(u, grid.area.jitter, grid.area.n1), self.area_place(v, grid.area.jitter, grid.area.n2));
+        let offset = area_offset(grid.area, grid.axes, ju, jv);
+        let way = light_ray(&self.scene.lights[grid.light_ix as usize].light, grid.point, offset);
+        let c = self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color);
+        grid.points[place] = Some(c);
+        c
+    }
+}
+
+/// One shadow test of an area light.
+struct AreaGrid<'g> {
+    light_ix: u32,
+    area: &'g AreaLight,
+    axes: (DVec3, DVec3),
+    around: &'g InteriorList,
+    point: DVec3,
+    color: Rgb,
+    /// By grid point: what arrived from it.
+    points: Vec<Option<Rgb>>,
+}

@@ -1,0 +1,83 @@
+//! One ray: nearest hit, shading or sky, and the air in between. Source: spec/light.md, section 2.
+
+use super::plan::ScenePlan;
+use super::ray::{Seen, TraceRay};
+use crate::compile::CompiledScene;
+use crate::compile::geometry::prim_flags;
+use crate::kernel::atmosphere::BACKGROUND_DEPTH;
+use crate::kernel::traverse::{MIN_DEPTH, intersect};
+use crate::math::Rgb;
+use crate::math::random::{GrainStream, UniformStream};
+
+/// Rays inside rays: bounds the stack whatever the scene (transmitted rays of equal index count no level).
+const MAX_RECURSION: u32 = 1200;
+
+/// Traces rays one after another.
+pub struct Tracer<'a> {
+    pub(super) scene: &'a CompiledScene,
+    pub(super) plan: &'a ScenePlan,
+    /// Counted rays above the current one.
+    pub(super) level: u32,
+    pub(super) recursion: u32,
+    pub(super) max_level: u32,
+    pub(super) adc_bailout: f64,
+    /// Jitter of area lights and rainbows.
+    pub(super) random: UniformStream,
+    /// Jitter of media.
+    pub(super) media_random: UniformStream,
+    pub(super) grain: GrainStream,
+    /// By light: the last opaque blocker of camera rays' hits, and of deeper ones.
+    pub(super) blockers: Vec<[u32; 2]>,
+    /// Filtered colours of global lights at the hits being shaded, a run for each hit.
+    pub(super) lit: Vec<Option<Rgb>>,
+    /// Filtered colours of an area light's points.
+    pub(super) area_points: Vec<Option<Rgb>>,
+}
+
+impl<'a> Tracer<'a> {
+    /// A tracer at the start of its random streams.
+    pub fn new(scene: &'a CompiledScene, plan: &'a ScenePlan) -> Self {
+        Self {
+            scene,
+            plan,
+            level: 0,
+            recursion: 0,
+            max_level: scene.settings.max_trace_level.clamp(1, 256),
+            adc_bailout: scene.settings.adc_bailout,
+            random: UniformStream::default(),
+            media_random: UniformStream::default(),
+            grain: GrainStream::default(),
+            blockers: vec![[u32::MAX; 2]; scene.lights.len()],
+            lit: Vec::new(),
+            area_points: Vec::new(),
+        }
+    }
+
+    /// What `r` sees. `weight` only decides cut-offs; a `continued` ray counts no level.
+    pub(super) fn trace(&mut self, r: &TraceRay, weight: f64, continued: bool) -> Seen {
+        if self.level >= self.max_level || weight < self.adc_bailout || self.recursion >= MAX_RECURSION {
+            return Seen::BLACK;
+        }
+        let counted = u32::from(!continued);
+        self.level += counted;
+        self.recursion += 1;
+        let mut skip = if r.reflected { prim_flags::NO_REFLECTION } else { prim_flags::NO_IMAGE };
+        if r.gathers {
+            skip |= prim_flags::NO_RADIOSITY;
+        }
+        let hit = intersect(self.scene, &r.ray, MIN_DEPTH, r.max_depth, skip);
+        let (mut seen, depth) = match hit {
+            Some(hit) => {
+                let (rgb, transmit) = self.shade(r, &hit, weight);
+                (Seen { rgb, transmit, depth: hit.t }, hit.t)
+            }
+            None => (self.sky(r), BACKGROUND_DEPTH),
+        };
+        if self.plan.quality.volumes && r.interiors.is_hollow() {
+            self.air(r, depth, hit.as_ref(), &mut seen);
+        }
+        self.level -= counted;
+        self.recursion -= 1;
+        seen
+    }
+}

@@ -1,0 +1,193 @@
+//! Light sources as seen from a point: direction, distance, brightness by beam and by distance, points of area lights.
+//! Nothing here tests for shadow. Source: spec/light.md, section 6; spec/textures.md, section 12. Twin: `shaders/shared/light`.
+
+use crate::math::{DVec3, EPSILON};
+use crate::scene::Light;
+use crate::scene::light::{AreaLight, Fade, LightKind};
+
+/// Distance given to light from infinity.
+pub const SUN_DISTANCE: f64 = 1e9;
+
+/// The way from a point to a light.
+#[derive(Clone, Copy, Debug)]
+pub struct LightRay {
+    /// Unit, towards the light.
+    pub dir: DVec3,
+    /// To the light along `dir`; negative behind the plane of a parallel light.
+    pub distance: f64,
+}
+
+/// The unit direction in which a light points.
+pub fn light_axis(light: &Light) -> DVec3 {
+    match light.kind {
+        LightKind::Sun { direction, .. } => direction,
+        _ => (light.point_at - light.location).try_normalize().unwrap_or(DVec3::Z),
+    }
+}
+
+/// From `point` to the light's centre shifted by `offset`.
+#[inline]
+pub fn light_ray(light: &Light, point: DVec3, offset: DVec3) -> LightRay {
+    if let LightKind::Sun { direction, .. } = light.kind {
+        let dir = (SUN_DISTANCE * -direction + offset).normalize();
+        return LightRay { dir, distance: SUN_DISTANCE };
+    }
+    let to = light.location + offset - point;
+    if light.parallel || matches!(light.kind, LightKind::Cylinder { .. }) {
+        let dir = (light.location + offset - light.point_at).try_normalize().unwrap_or(DVec3::NEG_Z);
+        return LightRay { dir, distance: to.dot(dir) };
+    }
+    let distance = to.length();
+    LightRay { dir: if distance > 0.0 { to / distance } else { DVec3::Y }, distance }
+}
+
+/// How much of the light's colour arrives at `point` without obstacles.
+#[inline]
+pub fn attenuation(light: &Light, point: DVec3, ray: &LightRay) -> f64 {
+    let beam = match light.kind {
+        LightKind::Point | LightKind::Sun { .. } => 1.0,
+        LightKind::Spot { radius_rad, falloff_rad, tightness } => {
+            let cos = -ray.dir.dot(light_axis(light));
+            if cos <= 0.0 || (light.parallel && ray.distance <= 0.0) {
+                return 0.0;
+            }
+            let k = if tightness == 0.0 { 1.0 } else { cos.powf(tightness) };
+            if radius_rad > 0.0 { k * smoothstep(falloff_rad.cos(), radius_rad.cos(), cos) } else { k }
+        }
+        LightKind::Cylinder { radius, falloff, tightness } => {
+            let axis = light_axis(light);
+            let from_light = point - light.location;
+            let along = from_light.dot(axis);
+            if along <= 0.0 {
+                return 0.0;
+            }
+            let r = (from_light.length_squared() - along * along).max(0.0).sqrt();
+            if r >= falloff {
+                return 0.0;
+            }
+            let x = 1.0 - r / falloff;
+            let k = if tightness == 0.0 { 1.0 } else { x.powf(tightness) };
+            if radius > 0.0 && r > radius { k * smoothstep(0.0, 1.0 - radius / falloff, x) } else { k }
+        }
+    };
+    beam * fade(light.fade, ray.distance)
+}
+
+/// Weakening with distance.
+#[inline]
+pub fn fade(fade: Fade, distance: f64) -> f64 {
+    match fade {
+        Fade::Pov { distance: d, power } if power > 0.0 && d != 0.0 => 2.0 / (1.0 + (distance / d).powf(power)),
+        Fade::InverseSquare => 1.0 / (distance * distance).max(1e-8),
+        _ => 1.0,
+    }
+}
+
+/// 0 below `low`, 1 from `high` on, smooth between; the lower rule first when they cross.
+#[inline]
+pub fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
+    if x < low {
+        0.0
+    } else if x >= high {
+        1.0
+    } else {
+        let t = (x - low) / (high - low);
+        t * t * (3.0 - 2.0 * t)
+    }
+}
+
+/// The axes of an area light for a point that sees its centre in direction `to_light`.
+pub fn area_axes(area: &AreaLight, to_light: DVec3) -> (DVec3, DVec3) {
+    if !area.orient {
+        return (area.axis1, area.axis2);
+    }
+    let e = if (to_light.z.abs() - 1.0).abs() < 0.01 { DVec3::Y } else { DVec3::Z };
+    let len = area.axis1.length();
+    let a = len * to_light.cross(e).normalize_or_zero();
+    (a, len * to_light.cross(a).normalize_or_zero())
+}
+
+/// Shift of grid point (u, v) (already jittered) from the centre.
+pub fn area_offset(area: &AreaLight, axes: (DVec3, DVec3), u: f64, v: f64) -> DVec3 {
+    let place = |u: f64, n: u32| if n > 1 { u / f64::from(n - 1) - 0.5 } else { 0.0 };
+    let (mut a, mut b) = (place(u, area.n1), place(v, area.n2));
+    if area.circular {
+        // The program keeps off the exact centre by a thousandth.
+        (a, b) = (a + 0.001, b + 0.001);
+        let len = a.hypot(b);
+        if len > EPSILON {
+            let s = a.abs().max(b.abs()) / len;
+            (a, b) = (a * s, b * s);
+        }
+    }
+    axes.0 * a + axes.1 * b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    fn spot() -> Light {
+        let kind = LightKind::Spot { radius_rad: 30f64.to_radians(), falloff_rad: 45f64.to_radians(), tightness: 2.0 };
+        Light { kind, point_at: DVec3::NEG_Y, ..Light::point(DVec3::ZERO, Vec3::ONE) }
+    }
+
+    #[test]
+    fn spot_is_cosine_power_inside_smooth_at_the_edge_and_dark_outside() {
+        let at = |deg: f64| {
+            let (s, c) = deg.to_radians().sin_cos();
+            let p = DVec3::new(s, -c, 0.0) * 3.0;
+            attenuation(&spot(), p, &light_ray(&spot(), p, DVec3::ZERO))
+        };
+        assert!((at(20.0) - 20f64.to_radians().cos().powi(2)).abs() < 1e-12);
+        let (cos, lo, hi) = (40f64.to_radians().cos(), 45f64.to_radians().cos(), 30f64.to_radians().cos());
+        let t = (cos - lo) / (hi - lo);
+        assert!((at(40.0) - cos * cos * t * t * (3.0 - 2.0 * t)).abs() < 1e-12);
+        assert_eq!(at(46.0), 0.0);
+        assert_eq!(at(120.0), 0.0);
+    }
+
+    #[test]
+    fn fade_is_one_at_the_fade_distance_and_inverse_square_is_physical() {
+        assert_eq!(fade(Fade::Pov { distance: 5.0, power: 2.0 }, 5.0), 1.0);
+        assert!((fade(Fade::Pov { distance: 5.0, power: 2.0 }, 15.0) - 0.2).abs() < 1e-15);
+        assert_eq!(fade(Fade::Pov { distance: 0.0, power: 2.0 }, 15.0), 1.0);
+        assert!((fade(Fade::InverseSquare, 2.0) - 0.25).abs() < 1e-15);
+    }
+
+    #[test]
+    fn cylinder_light_is_flat_inside_its_radius_and_dark_behind() {
+        let kind = LightKind::Cylinder { radius: 1.0, falloff: 2.0, tightness: 0.0 };
+        let light = Light { kind, parallel: true, point_at: DVec3::NEG_Y, ..Light::point(DVec3::ZERO, Vec3::ONE) };
+        let at = |p: DVec3| attenuation(&light, p, &light_ray(&light, p, DVec3::ZERO));
+        assert_eq!(at(DVec3::new(0.9, -4.0, 0.0)), 1.0);
+        assert_eq!(at(DVec3::new(0.0, 4.0, 0.0)), 0.0);
+        assert!((at(DVec3::new(1.5, -4.0, 0.0)) - 0.5).abs() < 1e-12, "halfway of a smoothstep");
+        assert_eq!(at(DVec3::new(2.1, -4.0, 0.0)), 0.0);
+    }
+
+    #[test]
+    fn parallel_light_behind_its_plane_has_negative_distance() {
+        let light = Light { parallel: true, point_at: DVec3::NEG_Y, ..Light::point(DVec3::ZERO, Vec3::ONE) };
+        let r = light_ray(&light, DVec3::new(3.0, 2.0, 0.0), DVec3::ZERO);
+        assert_eq!((r.dir, r.distance), (DVec3::Y, -2.0));
+    }
+
+    #[test]
+    fn corner_of_a_circular_grid_lies_on_the_disc() {
+        let area = AreaLight {
+            axis1: DVec3::X * 4.0,
+            axis2: DVec3::Z * 4.0,
+            n1: 5,
+            n2: 5,
+            adaptive: 100,
+            jitter: false,
+            circular: true,
+            orient: false,
+            area_illumination: false,
+        };
+        let corner = area_offset(&area, area_axes(&area, DVec3::Y), 4.0, 4.0);
+        assert!((corner.length() - 2.0).abs() < 0.01, "{corner}");
+    }
+}
