@@ -149,3 +149,103 @@ fn rows_of([x0, y0, x1, y1]: Block, go_on: &impl Fn() -> bool, out: &mut [Sample
     }
     y1 - y0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compile::{CompileOptions, compile_scene};
+    use crate::diag::Sink;
+    use crate::math::{DVec3, Rgbft, Transform, Vec3};
+    use crate::scene::shape::Shape;
+    use crate::scene::{Light, Object, Scene, Texture};
+    use std::sync::Arc;
+
+    struct Silent;
+    impl Progress for Silent {
+        fn pixels(&self, _: u64, _: u64) {}
+    }
+
+    fn settings(threads: usize) -> RenderSettings {
+        RenderSettings {
+            width: 40,
+            height: 36,
+            crop: [0, 0, 40, 36],
+            antialias: None,
+            samples: 0..1,
+            integrator: IntegratorKind::Classic,
+            threads,
+            seed: 0,
+            output_alpha: false,
+            block_size: 8,
+        }
+    }
+
+    /// A white plane below a white light at distance 2 above the origin.
+    fn lit_plane() -> Scene {
+        let mut plane = Object::new(Shape::Plane { normal: DVec3::Y, distance: 0.0 });
+        plane.texture = Some(Arc::new(Texture::solid(Rgbft::rgb(1.0, 1.0, 1.0))));
+        let mut scene =
+            Scene { lights: vec![Light::point(DVec3::new(0.0, 2.0, 0.0), Vec3::ONE)], objects: vec![plane], ..Scene::default() };
+        scene.camera.location = DVec3::new(0.0, 5.0, 0.0);
+        scene.camera.direction = DVec3::NEG_Y;
+        scene.camera.up = DVec3::Z;
+        scene
+    }
+
+    fn render(scene: &Scene, settings: &RenderSettings) -> Film {
+        let compiled = compile_scene(scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
+        let mut film = Film::new(settings.width, settings.height);
+        CpuBackend::new(settings.threads).render(&compiled, settings, &mut film, &Silent, &AtomicBool::new(false)).expect("renders");
+        film
+    }
+
+    #[test]
+    #[ignore = "until the texture room compiles its tables"]
+    fn lambert_plane_has_ambient_and_the_cosine_of_the_light() {
+        let film = render(&lit_plane(), &settings(1));
+        for (x, y) in [(20u32, 18u32), (3, 30), (39, 0)] {
+            let (a, b) = ((f64::from(x) + 0.5) / 40.0 - 0.5, 0.5 - (f64::from(y) + 0.5) / 36.0);
+            let (px, pz) = (5.0 * 1.33 * a, 5.0 * b);
+            let cos = 2.0 / (px * px + pz * pz + 4.0f64).sqrt();
+            let want = 0.1 + 0.6 * cos;
+            let got = film.pixels[film.index(x, y)];
+            assert!((f64::from(got[0]) - want).abs() < 1e-6, "({x},{y}): {got:?}, not {want}");
+        }
+    }
+
+    #[test]
+    #[ignore = "until the texture room compiles its tables"]
+    fn shadow_of_a_sphere_leaves_the_ambient_light() {
+        let mut scene = lit_plane();
+        let mut ball = Object::new(Shape::Sphere { center: DVec3::ZERO, radius: 0.2 });
+        ball.transform = Transform::translation(DVec3::new(0.0, 1.0, 0.0));
+        ball.flags.no_image = Some(true);
+        scene.objects.push(ball);
+        let film = render(&scene, &settings(2));
+        assert!((film.pixels[film.index(20, 18)][0] - 0.1).abs() < 1e-6, "no_image still casts a shadow");
+    }
+
+    #[test]
+    #[ignore = "until the texture room compiles its tables"]
+    fn pictures_do_not_depend_on_threads_or_crops() {
+        let one = render(&lit_plane(), &settings(1));
+        assert_eq!(one.pixels, render(&lit_plane(), &settings(2)).pixels);
+        let cropped = render(&lit_plane(), &RenderSettings { crop: [5, 9, 21, 30], ..settings(2) });
+        for y in 0..36 {
+            for x in 0..40 {
+                let inside = (5..21).contains(&x) && (9..30).contains(&y);
+                let at = one.index(x, y);
+                assert_eq!(cropped.samples[at], u32::from(inside));
+                assert_eq!(cropped.pixels[at], if inside { one.pixels[at] } else { [0.0; 4] });
+            }
+        }
+    }
+
+    #[test]
+    fn cancelled_before_the_start_nothing_is_rendered() {
+        let compiled = compile_scene(&lit_plane(), &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
+        let mut film = Film::new(40, 36);
+        CpuBackend::new(2).render(&compiled, &settings(2), &mut film, &Silent, &AtomicBool::new(true)).expect("renders");
+        assert!(film.samples.iter().all(|n| *n == 0));
+    }
+}

@@ -37,17 +37,28 @@ impl Antialias {
 
     /// Renders `block` row by row into `out` (`[row][column]`) with `trace(x, y)`. Stops early when `go_on` says no, after whole rows;
     /// gives the rows finished.
-    pub fn render_block(&self, block: Block, trace: &mut impl FnMut(f64, f64) -> Sample, go_on: &impl Fn() -> bool, out: &mut [Sample]) -> u32 {
+    pub fn render_block(
+        &self,
+        block: Block,
+        trace: &mut impl FnMut(f64, f64) -> Sample,
+        go_on: &impl Fn() -> bool,
+        out: &mut [Sample],
+    ) -> u32 {
         if self.method == 2 { self.corners(block, trace, go_on, out) } else { self.neighbours(block, trace, go_on, out) }
     }
 
     /// Method 1: a pixel that differs from its left or upper neighbour is supersampled, and so is that neighbour.
-    fn neighbours(&self, [x0, y0, x1, y1]: Block, trace: &mut impl FnMut(f64, f64) -> Sample, go_on: &impl Fn() -> bool, out: &mut [Sample]) -> u32 {
+    fn neighbours(
+        &self,
+        [x0, y0, x1, y1]: Block,
+        trace: &mut impl FnMut(f64, f64) -> Sample,
+        go_on: &impl Fn() -> bool,
+        out: &mut [Sample],
+    ) -> u32 {
         let w = (x1 - x0) as usize;
         // Index 0 of a row is the pixel left of the block; row 0 is the row above it.
-        let mut above: Vec<(Sample, bool)> = std::iter::once(([0.0; 4], true))
-            .chain((x0..x1).map(|x| (trace(f64::from(x), f64::from(y0) - 1.0), true)))
-            .collect();
+        let mut above: Vec<(Sample, bool)> =
+            std::iter::once(([0.0; 4], true)).chain((x0..x1).map(|x| (trace(f64::from(x), f64::from(y0) - 1.0), true))).collect();
         let mut row = above.clone();
         for y in y0..y1 {
             if !go_on() {
@@ -107,7 +118,13 @@ impl Antialias {
     }
 
     /// Method 2: a pixel whose corners differ is cut into quarters, again and again.
-    fn corners(&self, [x0, y0, x1, y1]: Block, trace: &mut impl FnMut(f64, f64) -> Sample, go_on: &impl Fn() -> bool, out: &mut [Sample]) -> u32 {
+    fn corners(
+        &self,
+        [x0, y0, x1, y1]: Block,
+        trace: &mut impl FnMut(f64, f64) -> Sample,
+        go_on: &impl Fn() -> bool,
+        out: &mut [Sample],
+    ) -> u32 {
         let (w, h) = ((x1 - x0) as usize, (y1 - y0) as usize);
         let mut corner = vec![[0.0f32; 4]; (w + 1) * (h + 1)];
         for j in 0..=h {
@@ -207,7 +224,15 @@ mod tests {
     fn flat_pictures_take_one_sample_a_pixel_and_the_borders() {
         let mut n = 0;
         let mut out = [[0.0; 4]; 16];
-        aa(1, 3).render_block([0, 0, 4, 4], &mut |_, _| { n += 1; [0.5; 4] }, &|| true, &mut out);
+        aa(1, 3).render_block(
+            [0, 0, 4, 4],
+            &mut |_, _| {
+                n += 1;
+                [0.5; 4]
+            },
+            &|| true,
+            &mut out,
+        );
         assert_eq!((n, out), (16 + 8, [[0.5; 4]; 16]));
     }
 
@@ -233,7 +258,15 @@ mod tests {
     fn samples_are_shared_inside_a_pixel() {
         let mut seen = Vec::new();
         let mut out = [[0.0; 4]; 1];
-        aa(2, 3).render_block([0, 0, 1, 1], &mut |x, y| { seen.push((x.to_bits(), y.to_bits())); [if (x + y) as i64 % 2 == 0 { x as f32 } else { 1.0 }; 4] }, &|| true, &mut out);
+        aa(2, 3).render_block(
+            [0, 0, 1, 1],
+            &mut |x, y| {
+                seen.push((x.to_bits(), y.to_bits()));
+                [if (x + y) as i64 % 2 == 0 { x as f32 } else { 1.0 }; 4]
+            },
+            &|| true,
+            &mut out,
+        );
         let n = seen.len();
         seen.sort_unstable();
         seen.dedup();

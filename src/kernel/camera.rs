@@ -99,9 +99,7 @@ impl CameraModel {
         let from = |dir: DVec3, at: DVec2| Projected { origin: self.location, dir, normal_point: DVec3::new(at.x, at.y, 0.0) };
         Some(match self.projection {
             Projection::Perspective => from(self.direction + a * self.right + b * self.up, s),
-            Projection::Orthographic => {
-                Projected { origin: self.location + a * self.right + b * self.up, ..from(self.direction, s) }
-            }
+            Projection::Orthographic => Projected { origin: self.location + a * self.right + b * self.up, ..from(self.direction, s) },
             Projection::Fisheye { angle_rad } => {
                 let p = 2.0 * s * size;
                 let rho = p.length();

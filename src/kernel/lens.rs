@@ -200,7 +200,8 @@ mod tests {
 
     #[test]
     fn equal_samples_settle_and_scattered_ones_do_not() {
-        let blur = Blur { aperture: 1.0, focal_distance: 1.0, min_samples: 0, max_samples: 20, confidence: 0.9, variance: 1e-4, bokeh: None };
+        let blur =
+            Blur { aperture: 1.0, focal_distance: 1.0, min_samples: 0, max_samples: 20, confidence: 0.9, variance: 1e-4, bokeh: None };
         let lens = Lens::new(&blur, DVec3::Z, DVec3::Y);
         assert!(lens.is_settled(7, [3.5; 4], [1.75; 4]));
         assert!(!lens.is_settled(7, [3.0; 4], [3.0; 4]));

@@ -20,7 +20,15 @@ pub struct MeshCamera {
 impl MeshCamera {
     /// From the scene's numbers; `location.z` is the distance of origins from their faces,
     /// a negative `direction.z` turns rays round. Objects that are no meshes are ignored.
-    pub fn new(n_rays: u32, distribution: u8, max_distance: f64, meshes: &[Object], smooth: bool, location: DVec3, direction: DVec3) -> Self {
+    pub fn new(
+        n_rays: u32,
+        distribution: u8,
+        max_distance: f64,
+        meshes: &[Object],
+        smooth: bool,
+        location: DVec3,
+        direction: DVec3,
+    ) -> Self {
         let mut found = Vec::new();
         for o in meshes {
             let (mut object, mut to_world) = (o, o.transform);
@@ -32,7 +40,15 @@ impl MeshCamera {
                 found.push((m.clone(), to_world));
             }
         }
-        Self { n_rays: n_rays.clamp(1, 1 << 16), distribution, max_distance, smooth, offset: location.z, reversed: direction.z < -crate::math::EPSILON, meshes: found }
+        Self {
+            n_rays: n_rays.clamp(1, 1 << 16),
+            distribution,
+            max_distance,
+            smooth,
+            offset: location.z,
+            reversed: direction.z < -crate::math::EPSILON,
+            meshes: found,
+        }
     }
 
     /// Rays of a pixel.

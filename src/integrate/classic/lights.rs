@@ -1,7 +1,7 @@
 //! The light of lamps on one layer of a surface. Source: spec/light.md, section 6.
 
-use super::cover;
 use super::shade::HitContext;
+use super::texturing as cover;
 use super::trace::Tracer;
 use crate::compile::geometry::prim_flags;
 use crate::kernel::PatternPoint;

@@ -3,9 +3,9 @@
 //! [`Tracer`] holds what one stream of rays changes (level, random streams, memories); [`ScenePlan`] what all share.
 //! A pixel asks [`Tracer::pixel`]; the way down is `trace` → `shade` → `lights` → `shadow`, with `refract`, `sky` and `media` beside.
 
-mod cover;
 mod inline_vec;
 mod lights;
+mod media;
 mod pixel;
 mod plan;
 mod principled;
@@ -14,6 +14,7 @@ mod refract;
 mod shade;
 mod shadow;
 mod sky;
+mod texturing;
 mod trace;
 
 pub use plan::ScenePlan;

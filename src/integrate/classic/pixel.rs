@@ -1,8 +1,8 @@
 //! One picture position: camera rays, the lens of focal blur, the rays of a mesh camera. Source: spec/light.md, sections 1 and 11.
 
-use super::cover;
 use super::plan::interiors_at;
 use super::ray::{Seen, TraceRay};
+use super::texturing as cover;
 use super::trace::Tracer;
 use crate::kernel::PatternPoint;
 use crate::kernel::lens::Lens;

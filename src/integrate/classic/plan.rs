@@ -102,4 +102,3 @@ pub fn interiors_at(scene: &CompiledScene, p: crate::math::DVec3) -> InteriorLis
     found.into_iter().for_each(|i| list.push(scene, i));
     list
 }
-

@@ -52,7 +52,13 @@ impl Tracer<'_> {
         match interiors.last() {
             None => own,
             // Leaving the only interior; with more than one the program divides the last by itself.
-            Some(last) if last == interior_ix => if interiors.len() == 1 { 1.0 / own } else { 1.0 },
+            Some(last) if last == interior_ix => {
+                if interiors.len() == 1 {
+                    1.0 / own
+                } else {
+                    1.0
+                }
+            }
             Some(last) => own / self.interior(last).ior,
         }
     }

@@ -1,10 +1,10 @@
 //! A hit becomes a colour: covers, layers, finish, then what is seen through and in the mirror.
 //! Source: spec/light.md, section 3; spec/textures.md, section 5.
 
-use super::cover::{self, Cover, Space};
 use super::inline_vec::InlineVec;
 use super::ray::{Seen, TraceRay};
 use super::refract::Through;
+use super::texturing::{self as cover, Cover, Space};
 use super::trace::Tracer;
 use crate::compile::geometry::{Prim, prim_flags};
 use crate::compile::texture::TextureNode;
@@ -58,7 +58,7 @@ impl Tracer<'_> {
         let lit_base = self.lit.len();
         self.lit.resize(lit_base + self.plan.global_lights.len(), None);
         let ctx = HitContext { ray: r, hit, prim, normal, lit_base, weight };
-        let covers = cover::covers_at(self.scene, hit, prim, from_inside, self.adc_bailout);
+        let covers = cover::covers_at(self.scene, hit, from_inside, self.adc_bailout);
         let (mut rgb, mut transmit) = (Vec3::ZERO, 0.0);
         for k in 0..covers.len() {
             let (c, weight) = covers.get(k);

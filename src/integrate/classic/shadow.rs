@@ -1,9 +1,9 @@
 //! What arrives of a light at a point: shadow rays through clear things, grids of area lights. Source: spec/light.md, section 6.
 
-use super::cover;
 use super::lights::is_dark;
 use super::ray::InteriorList;
 use super::refract::fade_factor;
+use super::texturing as cover;
 use super::trace::Tracer;
 use crate::compile::NONE;
 use crate::compile::texture::TextureNode;
@@ -90,7 +90,7 @@ impl Tracer<'_> {
         let prim = &scene.geometry.prims[hit.prim_ix as usize];
         let from_inside = hit.normal.dot(ray.dir) > 0.0;
         let normal = if from_inside { -hit.normal } else { hit.normal };
-        let covers = cover::covers_at(scene, hit, prim, from_inside, self.adc_bailout);
+        let covers = cover::covers_at(scene, hit, from_inside, self.adc_bailout);
         let interior = &scene.interiors[prim.interior_ix as usize];
         let mut sum = Vec3::ZERO;
         for k in 0..covers.len() {

@@ -1,8 +1,8 @@
 //! What rays see that hit nothing, and the air that every ray passes: sky, rainbows, atmospheric media, fog.
 //! Source: spec/light.md, section 5.
 
-use super::cover;
 use super::ray::{Seen, TraceRay};
+use super::texturing as cover;
 use super::trace::Tracer;
 use crate::compile::CompiledSky;
 use crate::kernel::atmosphere::{fog_effect, rainbow_effect};
@@ -29,13 +29,8 @@ impl Tracer<'_> {
     /// Pigments of the sky from the top to the bottom.
     fn sky_colors<'s>(&'s self, sky: &'s CompiledSky, r: &TraceRay) -> impl Iterator<Item = Rgbft> + 's {
         let t = &self.scene.geometry.transforms[sky.transform_ix as usize];
-        let p = PatternPoint {
-            point: t.inverse_point(r.ray.dir),
-            uv: DVec2::ZERO,
-            world: r.ray.dir,
-            normal: DVec3::ZERO,
-            ray_dir: r.ray.dir,
-        };
+        let p =
+            PatternPoint { point: t.inverse_point(r.ray.dir), uv: DVec2::ZERO, world: r.ray.dir, normal: DVec3::ZERO, ray_dir: r.ray.dir };
         sky.pigments.iter().rev().map(move |ix| cover::pigment(self.scene, *ix, &p).unwrap_or(Rgbft::CLEAR))
     }
 
