@@ -1,0 +1,10 @@
+// The fisheye camera.
+#version 3.7;
+global_settings { assumed_gamma 1.0 }
+camera { fisheye location <0, 0.8, -2.2> look_at 0 angle 160 right 4/3*x }
+light_source { <4, 6, -5> rgb 0.9 }
+light_source { <-5, 3, -2> rgb <0.25, 0.27, 0.35> shadowless }
+plane { y, -1 pigment { checker rgb <0.85, 0.82, 0.75>, rgb <0.35, 0.4, 0.45> } finish { ambient 0.1 diffuse 0.7 } }
+sphere { 0, 0.7 pigment { rgb <0.8, 0.25, 0.2> } finish { phong 0.6 phong_size 60 } }
+box { <-1.6, -1, 0.2>, <-1, 0.5, 0.8> pigment { rgb <0.2, 0.35, 0.8> } finish { specular 0.5 roughness 0.03 } }
+cone { <1.3, -1, 0>, 0.5, <1.3, 0.6, 0>, 0 pigment { rgb <0.8, 0.65, 0.2> } }

@@ -1,0 +1,10 @@
+// Refraction, filter, transmit, interior fade, caustic-free shadows.
+#version 3.7;
+global_settings { assumed_gamma 1.0 }
+camera { location <1.6, 2.0, -4.2> look_at <0, 0.1, 0> angle 42 right 4/3*x }
+light_source { <4, 6, -5> rgb 0.9 }
+light_source { <-5, 3, -2> rgb <0.25, 0.27, 0.35> shadowless }
+plane { y, -1 pigment { checker rgb <0.85, 0.82, 0.75>, rgb <0.35, 0.4, 0.45> } finish { ambient 0.1 diffuse 0.7 } }
+sphere { <-0.7, 0, -0.3>, 0.8 pigment { rgbf <0.95, 1, 0.95, 0.9> } finish { phong 0.7 reflection { 0, 1 fresnel } } interior { ior 1.5 } }
+box { <0.5, -1, 0>, <1.3, 0.6, 0.7> pigment { rgb <0.8, 0.25, 0.2> } finish { phong 0.6 phong_size 60 } }
+box { <0.3, -0.9, -1.6>, <1.1, -0.2, -1.3> pigment { rgbt <0.4, 0.8, 1, 0.7> } interior { ior 1.2 fade_distance 0.3 fade_power 2 fade_color <0.2, 0.5, 0.9> } }
