@@ -1,0 +1,264 @@
+//! `light_source` and `light_group`. Source: spec/language.md, section 6.3.
+
+use super::{PResult, Parser};
+use crate::lang::keyword::Kw;
+use crate::lang::token::Punct;
+use crate::lang::value::Value;
+use crate::math::{Transform, Vec3};
+use crate::scene::light::{AreaLight, Fade, LightKind};
+use crate::scene::{Light, Object, Shape};
+
+/// What the items of a light say besides the light itself.
+#[derive(Default)]
+struct Beam {
+    kind: Option<Kw>,
+    radius: f64,
+    falloff: f64,
+    tightness: f64,
+    fade_distance: f64,
+    fade_power: f64,
+}
+
+impl Parser<'_> {
+    /// `{ ... }` after `light_source`.
+    pub(super) fn parse_light(&mut self) -> PResult<Light> {
+        self.block("light_source", |p| {
+            if let Some(Value::Object(o)) = p.peek_value()?
+                && let Shape::Light(light) = &o.shape
+            {
+                let mut light = (**light).clone();
+                p.next()?;
+                while let Some(t) = p.parse_transform()? {
+                    light.transform(&t);
+                }
+                return Ok(light);
+            }
+            let location = p.parse_vector3()?;
+            p.comma()?;
+            let color = if p.color_follows()? || p.number_follows()? { p.parse_rgb()? } else { Vec3::ZERO };
+            let mut light = Light::point(location, color);
+            let mut beam = Beam::default();
+            p.light_items(&mut light, &mut beam)?;
+            light.kind = match beam.kind {
+                Some(Kw::Spotlight) => LightKind::Spot {
+                    radius_rad: beam.radius.to_radians(),
+                    falloff_rad: beam.falloff.to_radians(),
+                    tightness: beam.tightness,
+                },
+                Some(Kw::Cylinder) => LightKind::Cylinder { radius: beam.radius, falloff: beam.falloff, tightness: beam.tightness },
+                _ => LightKind::Point,
+            };
+            if beam.fade_power > 0.0 && beam.fade_distance != 0.0 {
+                light.fade = Fade::Pov { distance: beam.fade_distance, power: beam.fade_power };
+            }
+            Ok(light)
+        })
+    }
+
+    fn light_items(&mut self, light: &mut Light, beam: &mut Beam) -> PResult<()> {
+        loop {
+            self.comma()?;
+            if let Some(t) = self.parse_transform()? {
+                light.transform(&t);
+                continue;
+            }
+            if self.color_follows()? {
+                light.color = self.parse_rgb()?;
+                continue;
+            }
+            let Some(k) = self.peek_kw()? else { return Ok(()) };
+            match k {
+                Kw::Shadowless => {
+                    self.next()?;
+                    light.shadowless = true;
+                }
+                Kw::Parallel => {
+                    self.next()?;
+                    light.parallel = true;
+                }
+                Kw::Spotlight => {
+                    self.next()?;
+                    (beam.kind, beam.radius, beam.falloff, beam.tightness) = (Some(k), 30.0, 45.0, 0.0);
+                }
+                Kw::Cylinder => {
+                    self.next()?;
+                    (beam.kind, beam.radius, beam.falloff, beam.tightness) = (Some(k), 0.75, 1.0, 0.0);
+                    light.parallel = true;
+                }
+                Kw::PointAt => {
+                    self.next()?;
+                    if beam.kind.is_none() && !light.parallel {
+                        return Err(self.error("Keyword 'point_at' cannot be used with standard light source."));
+                    }
+                    light.point_at = self.parse_vector3()?;
+                }
+                Kw::Radius | Kw::Falloff | Kw::Tightness => {
+                    self.next()?;
+                    if beam.kind.is_none() {
+                        return Err(self.error(format!("Keyword '{}' cannot be used with standard light source.", k.text())));
+                    }
+                    let x = self.parse_float()?;
+                    match k {
+                        Kw::Radius => beam.radius = x,
+                        Kw::Falloff => beam.falloff = x,
+                        _ => beam.tightness = x,
+                    }
+                }
+                Kw::AreaLight => {
+                    self.next()?;
+                    light.area = Some(self.area_light(light.area.take())?);
+                }
+                Kw::Adaptive | Kw::Jitter | Kw::Circular | Kw::Orient | Kw::AreaIllumination => self.area_item(light, k)?,
+                Kw::FadeDistance => {
+                    self.next()?;
+                    beam.fade_distance = self.parse_float()?;
+                }
+                Kw::FadePower => {
+                    self.next()?;
+                    beam.fade_power = self.parse_float()?;
+                }
+                Kw::MediaAttenuation => {
+                    self.next()?;
+                    light.media_attenuation = self.parse_switch()?;
+                }
+                Kw::MediaInteraction => {
+                    self.next()?;
+                    light.media_interaction = self.parse_switch()?;
+                }
+                Kw::LooksLike => {
+                    self.next()?;
+                    let mut object = self.block("looks_like", |p| p.parse_object()?.map_or_else(|| p.expected("object"), Ok))?;
+                    if object.texture.is_none() {
+                        object.texture = Some(self.defaults.texture());
+                    }
+                    object.flags.no_shadow = Some(true);
+                    object.apply_transform(&Transform::translation(light.location));
+                    light.looks_like = Some(Box::new(object));
+                }
+                Kw::ProjectedThrough => {
+                    self.next()?;
+                    let object = self.block("projected_through", |p| p.parse_object()?.map_or_else(|| p.expected("object"), Ok))?;
+                    light.projected_through = Some(Box::new(object));
+                }
+                Kw::Photons => {
+                    self.next()?;
+                    self.light_photons(light)?;
+                }
+                _ => return Ok(()),
+            }
+        }
+    }
+
+    fn area_light(&mut self, before: Option<AreaLight>) -> PResult<AreaLight> {
+        let axis1 = self.parse_vector3()?;
+        self.comma()?;
+        let axis2 = self.parse_vector3()?;
+        self.comma()?;
+        let n1 = self.parse_int()?.clamp(1, 4096) as u32;
+        self.comma()?;
+        let n2 = self.parse_int()?.clamp(1, 4096) as u32;
+        let plain = AreaLight {
+            axis1,
+            axis2,
+            n1,
+            n2,
+            adaptive: 100,
+            jitter: false,
+            circular: false,
+            orient: false,
+            area_illumination: false,
+        };
+        Ok(before.map_or(plain.clone(), |b| AreaLight { axis1, axis2, n1, n2, ..b }))
+    }
+
+    fn area_item(&mut self, light: &mut Light, k: Kw) -> PResult<()> {
+        self.next()?;
+        let adaptive = if k == Kw::Adaptive { Some(self.parse_int()?.clamp(0, 100) as u32) } else { None };
+        let on = if k == Kw::AreaIllumination { self.parse_switch()? } else { true };
+        let Some(a) = &mut light.area else {
+            if matches!(k, Kw::Circular | Kw::Orient | Kw::AreaIllumination) {
+                self.warn(format!("Parse Warning: '{}' has no effect before area_light.", k.text()));
+            }
+            // POV-Ray keeps adaptive and jitter for an area_light that follows.
+            light.area = None;
+            return Ok(());
+        };
+        match k {
+            Kw::Adaptive => a.adaptive = adaptive.unwrap_or(100),
+            Kw::Jitter => a.jitter = true,
+            Kw::Circular => a.circular = true,
+            Kw::Orient => (a.orient, a.circular) = (true, true),
+            _ => a.area_illumination = on,
+        }
+        if a.circular && (a.n1 < 2 || a.n2 < 2) {
+            return Err(self.error("Circular area lights must have more than one point on each axis."));
+        }
+        Ok(())
+    }
+
+    fn light_photons(&mut self, light: &mut Light) -> PResult<()> {
+        self.block("photons", |p| {
+            while let Some(k) = p.peek_kw()? {
+                match k {
+                    Kw::Reflection => {
+                        p.next()?;
+                        light.photons.0 = Some(p.parse_switch()?);
+                    }
+                    Kw::Refraction => {
+                        p.next()?;
+                        light.photons.1 = Some(p.parse_switch()?);
+                    }
+                    Kw::AreaLight => {
+                        p.next()?;
+                        light.photons.2 = true;
+                    }
+                    _ => break,
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// `{ ... }` after `light_group`.
+    pub(super) fn parse_light_group(&mut self) -> PResult<Object> {
+        self.block("light_group", |p| {
+            let (mut children, mut lights, mut global_lights) = (Vec::new(), Vec::new(), None);
+            loop {
+                if p.accept_kw(Kw::LightSource)? {
+                    lights.push(p.parse_light()?);
+                } else if let Some(o) = p.parse_object()? {
+                    match o.shape {
+                        Shape::Light(l) => lights.push(*l),
+                        _ => children.push(o),
+                    }
+                } else {
+                    break;
+                }
+            }
+            for c in &mut children {
+                if c.texture.is_none() {
+                    c.texture = Some(p.defaults.texture());
+                }
+            }
+            let mut transforms = Transform::IDENTITY;
+            loop {
+                if let Some(t) = p.parse_transform()? {
+                    transforms = transforms.then(&t);
+                } else if p.accept_kw(Kw::GlobalLights)? {
+                    global_lights = Some(p.parse_switch()?);
+                } else if p.at_kw(Kw::Photons)? {
+                    p.next()?;
+                    let mut unused = crate::scene::object::PhotonFlags::default();
+                    p.object_photons(&mut unused)?;
+                } else {
+                    break;
+                }
+                p.accept(Punct::Comma)?;
+            }
+            let mut o = Object::new(Shape::LightGroup { children, lights, global_lights });
+            o.apply_transform(&transforms);
+            Ok(o)
+        })
+    }
+}
+

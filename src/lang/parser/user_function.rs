@@ -1,0 +1,371 @@
+//! `function { ... }` and `spline { ... }`. Source: spec/language.md, section 3.5; spec/objects.md, sections 16 and 17.
+
+use super::{PResult, Parser};
+use crate::lang::keyword::Kw;
+use crate::lang::token::{Punct, Symbol, TokenKind};
+use crate::lang::value::Value;
+use crate::scene::function::{FnBinary, FnBuiltin, FnExpr};
+use crate::scene::spline::SplineKind;
+use crate::scene::{Function, FunctionBody, Spline};
+use std::sync::Arc;
+
+/// Names that an expression may use: parameters, then the indices of sums and products.
+struct Names {
+    names: Vec<Variable>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Variable {
+    Word(Kw),
+    Name(Symbol),
+}
+
+impl Parser<'_> {
+    /// `function [(names)] { ... }` after the word, or a function's name.
+    pub(super) fn parse_function(&mut self) -> PResult<Arc<Function>> {
+        self.parse_function_of(&[Kw::X, Kw::Y, Kw::Z])
+    }
+
+    /// A function of the surface parameters u and v.
+    pub(super) fn parse_uv_function(&mut self) -> PResult<Arc<Function>> {
+        if self.accept_kw(Kw::Function)? {
+            return self.parse_function_of(&[Kw::U, Kw::V]);
+        }
+        self.parse_function_item()
+    }
+
+    fn parse_function_of(&mut self, default_names: &[Kw]) -> PResult<Arc<Function>> {
+        let mut names = Vec::new();
+        let mut listed = false;
+        if self.accept(Punct::LParen)? {
+            listed = true;
+            while !self.at_punct(Punct::RParen)? {
+                let t = self.closed_place(|p| p.next())?;
+                names.push(match t.kind {
+                    TokenKind::Ident(s) => Variable::Name(s),
+                    TokenKind::Kw(k @ (Kw::X | Kw::Y | Kw::Z | Kw::U | Kw::V)) => Variable::Word(k),
+                    _ => return Err(self.expected_instead("parameter identifier", t)),
+                });
+                self.comma()?;
+            }
+            self.expect(Punct::RParen)?;
+        }
+        if names.len() > super::macros::MAX_PARAMS {
+            return Err(self.error("Function has too many parameters."));
+        }
+        if names.is_empty() {
+            names = default_names.iter().map(|&k| Variable::Word(k)).collect();
+        }
+        self.block("function", |p| p.function_body(Names { names }, listed))
+    }
+
+    /// `function {...}` or a function's name, where an object wants one.
+    pub(super) fn parse_function_item(&mut self) -> PResult<Arc<Function>> {
+        if self.accept_kw(Kw::Function)? {
+            // `function { Name }` is the named function itself.
+            return self.parse_function();
+        }
+        if let Some(Value::Function(f)) = self.peek_value()? {
+            let f = f.clone();
+            self.next()?;
+            return Ok(f);
+        }
+        self.expected("function")
+    }
+
+    fn function_body(&mut self, mut names: Names, listed: bool) -> PResult<Arc<Function>> {
+        let n_params = names.names.len();
+        let make = |n_params, body| Ok(Arc::new(Function { name: String::new(), n_params, body }));
+        match self.peek_kw()? {
+            Some(Kw::Internal) => {
+                self.next()?;
+                self.expect(Punct::LParen)?;
+                let n = self.parse_int()?;
+                self.expect(Punct::RParen)?;
+                return make(n_params, FunctionBody::Internal(n.clamp(0, 10_000) as u32));
+            }
+            Some(Kw::Pigment) if !listed => {
+                self.next()?;
+                let pigment = self.parse_pigment_block()?;
+                return make(3, FunctionBody::Pigment(pigment));
+            }
+            Some(Kw::Pattern) if !listed => {
+                self.next()?;
+                let pattern = self.parse_pattern_block()?;
+                return make(3, FunctionBody::Pattern(Arc::new(pattern)));
+            }
+            Some(Kw::Transform) if !listed => {
+                self.next()?;
+                let t = self.parse_transform_block()?;
+                return make(3, FunctionBody::Transform(t));
+            }
+            Some(Kw::Spline) if !listed => {
+                self.next()?;
+                let s = self.parse_spline()?;
+                return make(1, FunctionBody::Spline(Arc::new(s)));
+            }
+            _ => {}
+        }
+        let expr = self.fn_or(&mut names)?;
+        make(n_params, FunctionBody::Expr(expr))
+    }
+
+    fn fn_binary(
+        &mut self,
+        names: &mut Names,
+        operand: fn(&mut Self, &mut Names) -> PResult<FnExpr>,
+        op_of: fn(Punct) -> Option<FnBinary>,
+    ) -> PResult<FnExpr> {
+        let mut a = operand(self, names)?;
+        while let TokenKind::Punct(p) = self.peek()?.kind
+            && let Some(op) = op_of(p)
+        {
+            self.next()?;
+            let b = operand(self, names)?;
+            a = FnExpr::Binary(op, Box::new(a), Box::new(b));
+        }
+        Ok(a)
+    }
+
+    fn fn_or(&mut self, names: &mut Names) -> PResult<FnExpr> {
+        self.nested(|p| p.fn_binary(names, Self::fn_and, |q| (q == Punct::Or).then_some(FnBinary::Or)))
+    }
+
+    fn fn_and(&mut self, names: &mut Names) -> PResult<FnExpr> {
+        self.fn_binary(names, Self::fn_relation, |q| (q == Punct::And).then_some(FnBinary::And))
+    }
+
+    fn fn_relation(&mut self, names: &mut Names) -> PResult<FnExpr> {
+        self.fn_binary(names, Self::fn_sum, |q| {
+            Some(match q {
+                Punct::Eq => FnBinary::Eq,
+                Punct::Ne => FnBinary::Ne,
+                Punct::Lt => FnBinary::Lt,
+                Punct::Le => FnBinary::Le,
+                Punct::Gt => FnBinary::Gt,
+                Punct::Ge => FnBinary::Ge,
+                _ => return None,
+            })
+        })
+    }
+
+    fn fn_sum(&mut self, names: &mut Names) -> PResult<FnExpr> {
+        self.fn_binary(names, Self::fn_product, |q| match q {
+            Punct::Plus => Some(FnBinary::Add),
+            Punct::Minus => Some(FnBinary::Sub),
+            _ => None,
+        })
+    }
+
+    fn fn_product(&mut self, names: &mut Names) -> PResult<FnExpr> {
+        self.fn_binary(names, Self::fn_unary, |q| match q {
+            Punct::Star => Some(FnBinary::Mul),
+            Punct::Slash => Some(FnBinary::Div),
+            _ => None,
+        })
+    }
+
+    fn fn_unary(&mut self, names: &mut Names) -> PResult<FnExpr> {
+        if self.accept(Punct::Plus)? {
+            return self.nested(|p| p.fn_unary(names));
+        }
+        if self.accept(Punct::Minus)? {
+            let e = self.nested(|p| p.fn_unary(names))?;
+            return Ok(FnExpr::Neg(Box::new(e)));
+        }
+        self.fn_primary(names)
+    }
+
+    fn fn_primary(&mut self, names: &mut Names) -> PResult<FnExpr> {
+        let t = self.next()?;
+        match t.kind {
+            TokenKind::Float(x) => Ok(FnExpr::Const(x)),
+            TokenKind::Punct(Punct::LParen) => {
+                let e = self.fn_or(names)?;
+                self.expect(Punct::RParen)?;
+                Ok(e)
+            }
+            TokenKind::Ident(s) => {
+                if let Some(i) = names.names.iter().rposition(|&n| n == Variable::Name(s)) {
+                    return Ok(FnExpr::Var(i as u16));
+                }
+                match self.symbols.value(s) {
+                    Some(Value::Num(n)) if n.n == 1 => Ok(FnExpr::Const(n.v[0])),
+                    Some(Value::Function(f)) => {
+                        let f = f.clone();
+                        self.fn_user_call(f, names)
+                    }
+                    Some(Value::Spline(s)) => {
+                        let f = Arc::new(Function { name: String::new(), n_params: 1, body: FunctionBody::Spline(s.clone()) });
+                        self.fn_user_call(f, names)
+                    }
+                    _ => {
+                        let name = self.interner.text(s);
+                        self.warn(format!("Possible Parse Error: Suspicious identifier '{name}' found in function!"));
+                        Err(self.expected_instead("operand", t))
+                    }
+                }
+            }
+            TokenKind::Kw(k) => {
+                if let Some(i) = names.names.iter().rposition(|&n| n == Variable::Word(k)) {
+                    return Ok(FnExpr::Var(i as u16));
+                }
+                match k {
+                    Kw::Pi => Ok(FnExpr::Const(std::f64::consts::PI)),
+                    Kw::Clock => Ok(FnExpr::Const(f64::from(self.options.clock as f32))),
+                    Kw::Yes | Kw::On => Ok(FnExpr::Const(1.0)),
+                    Kw::No | Kw::Off => Ok(FnExpr::Const(0.0)),
+                    Kw::Sum | Kw::Prod => self.fn_series(k, names),
+                    _ => match builtin(k) {
+                        Some((f, min, max)) => {
+                            let args = self.fn_args(names)?;
+                            if args.len() < min || args.len() > max {
+                                return Err(self.error(format!("Wrong number of arguments for '{}' in a function.", k.text())));
+                            }
+                            Ok(FnExpr::Call(f, args))
+                        }
+                        None => Err(self.expected_instead("operand", t)),
+                    },
+                }
+            }
+            _ => Err(self.expected_instead("operand", t)),
+        }
+    }
+
+    fn fn_args(&mut self, names: &mut Names) -> PResult<Vec<FnExpr>> {
+        self.expect(Punct::LParen)?;
+        let mut args = Vec::new();
+        loop {
+            args.push(self.fn_or(names)?);
+            if !self.accept(Punct::Comma)? {
+                break;
+            }
+        }
+        self.expect(Punct::RParen)?;
+        Ok(args)
+    }
+
+    fn fn_user_call(&mut self, function: Arc<Function>, names: &mut Names) -> PResult<FnExpr> {
+        let args = self.fn_args(names)?;
+        if args.len() != function.n_params && !matches!(function.body, FunctionBody::Internal(_)) {
+            return Err(self.error(format!(
+                "Invalid number of parameters in call of function '{}': {} given, {} wanted.",
+                function.name,
+                args.len(),
+                function.n_params
+            )));
+        }
+        let mut member = 0;
+        if self.accept(Punct::Dot)? {
+            let t = self.next()?;
+            let index = if let TokenKind::Kw(k) = t.kind { super::expr::member_index(k) } else { None };
+            let Some(i) = index else { return Err(self.expected_instead("color or vector component", t)) };
+            member = i as u8;
+        }
+        Ok(FnExpr::User { function, args, member })
+    }
+
+    fn fn_series(&mut self, k: Kw, names: &mut Names) -> PResult<FnExpr> {
+        self.expect(Punct::LParen)?;
+        let t = self.closed_place(|p| p.next())?;
+        let variable = match t.kind {
+            TokenKind::Ident(s) => Variable::Name(s),
+            TokenKind::Kw(w @ (Kw::X | Kw::Y | Kw::Z | Kw::U | Kw::V)) => Variable::Word(w),
+            _ => return Err(self.expected_instead("local variable", t)),
+        };
+        self.expect(Punct::Comma)?;
+        let from = Box::new(self.fn_or(names)?);
+        self.expect(Punct::Comma)?;
+        let to = Box::new(self.fn_or(names)?);
+        self.expect(Punct::Comma)?;
+        let var = names.names.len() as u16;
+        names.names.push(variable);
+        let body = self.fn_or(names);
+        names.names.pop();
+        let body = Box::new(body?);
+        self.expect(Punct::RParen)?;
+        Ok(if k == Kw::Sum { FnExpr::Sum { var, from, to, body } } else { FnExpr::Prod { var, from, to, body } })
+    }
+
+    /// `spline { ... }` after the word.
+    pub(super) fn parse_spline(&mut self) -> PResult<Spline> {
+        self.block("spline", |p| {
+            let mut spline = match p.peek_value()? {
+                Some(Value::Spline(s)) => {
+                    let s = (**s).clone();
+                    p.next()?;
+                    p.comma()?;
+                    s
+                }
+                _ => Spline { kind: SplineKind::Linear, n_components: 2, knots: Vec::new() },
+            };
+            let kind = match p.peek_kw()? {
+                Some(Kw::LinearSpline) => Some(SplineKind::Linear),
+                Some(Kw::QuadraticSpline) => Some(SplineKind::Quadratic),
+                Some(Kw::CubicSpline) => Some(SplineKind::Cubic),
+                Some(Kw::NaturalSpline) => Some(SplineKind::Natural),
+                _ => None,
+            };
+            if let Some(k) = kind {
+                p.next()?;
+                spline.kind = k;
+            }
+            while p.number_follows()? {
+                let t = p.parse_float()?;
+                p.comma()?;
+                let v = p.parse_sum()?;
+                p.comma()?;
+                let n = (v.n as usize).max(2);
+                let v = v.promoted(n as u8);
+                spline.n_components = spline.n_components.max(n);
+                let at = spline.knots.partition_point(|k| k.0 < t);
+                if spline.knots.get(at).is_some_and(|k| k.0 == t) {
+                    spline.knots[at].1 = v.v;
+                } else {
+                    spline.knots.insert(at, (t, v.v));
+                }
+            }
+            if spline.knots.is_empty() {
+                return p.expected("spline entry");
+            }
+            Ok(spline)
+        })
+    }
+}
+
+fn builtin(k: Kw) -> Option<(FnBuiltin, usize, usize)> {
+    use FnBuiltin as F;
+    let many = super::macros::MAX_PARAMS;
+    Some(match k {
+        Kw::Abs => (F::Abs, 1, 1),
+        Kw::Acos => (F::Acos, 1, 1),
+        Kw::Acosh => (F::Acosh, 1, 1),
+        Kw::Asin => (F::Asin, 1, 1),
+        Kw::Asinh => (F::Asinh, 1, 1),
+        Kw::Atan => (F::Atan, 1, 1),
+        Kw::Atan2 => (F::Atan2, 2, 2),
+        Kw::Atanh => (F::Atanh, 1, 1),
+        Kw::Ceil => (F::Ceil, 1, 1),
+        Kw::Cos => (F::Cos, 1, 1),
+        Kw::Cosh => (F::Cosh, 1, 1),
+        Kw::Degrees => (F::Degrees, 1, 1),
+        Kw::Div => (F::Div, 2, 2),
+        Kw::Exp => (F::Exp, 1, 1),
+        Kw::Floor => (F::Floor, 1, 1),
+        Kw::Int => (F::Int, 1, 1),
+        Kw::Ln => (F::Ln, 1, 1),
+        Kw::Log => (F::Log, 1, 1),
+        Kw::Max => (F::Max, 1, many),
+        Kw::Min => (F::Min, 1, many),
+        Kw::Mod => (F::Mod, 2, 2),
+        Kw::Pow => (F::Pow, 2, 2),
+        Kw::Radians => (F::Radians, 1, 1),
+        Kw::Select => (F::Select, 3, 4),
+        Kw::Sin => (F::Sin, 1, 1),
+        Kw::Sinh => (F::Sinh, 1, 1),
+        Kw::Sqrt => (F::Sqrt, 1, 1),
+        Kw::Tan => (F::Tan, 1, 1),
+        Kw::Tanh => (F::Tanh, 1, 1),
+        _ => return None,
+    })
+}
