@@ -49,7 +49,13 @@ impl Num {
         }
         let mut v = [0.0; 5];
         for (i, x) in v.iter_mut().enumerate().take(n as usize) {
-            *x = if self.n == 1 { self.v[0] } else if i < self.n as usize { self.v[i] } else { 0.0 };
+            *x = if self.n == 1 {
+                self.v[0]
+            } else if i < self.n as usize {
+                self.v[i]
+            } else {
+                0.0
+            };
         }
         Self { n, is_color: self.is_color, v }
     }

@@ -4,6 +4,7 @@
 pub mod bounds;
 pub mod color;
 pub mod complex;
+pub mod noise;
 pub mod random;
 pub mod ray;
 pub mod roots;

@@ -176,9 +176,7 @@ fn perlin(p: DVec3) -> f64 {
     let (bx, by, bz) = (wrap(f.x), wrap(f.y), wrap(f.z));
     let wrap1 = |i: usize| (i + 1) & (PERLIN_SIZE - 1);
     let pm = |i: usize| table.permutation[i];
-    let corner = |cx: usize, cy: usize, cz: usize, d: DVec3| table.gradients[(pm(pm(cx) + cy) + cz) & (PERLIN_SIZE - 1)].dot(d);
-    let _ = corner;
-    let at = |cx: usize, cy: usize, cz: usize, d: DVec3| table.gradients[pm(pm(pm(cx) + cy) + cz) & (PERLIN_SIZE - 1)].dot(d);
+    let at = |cx: usize, cy: usize, cz: usize, d: DVec3| table.gradients[(pm(pm(cx) + cy) + cz) & (PERLIN_SIZE - 1)].dot(d);
     let (x1, y1, z1) = (wrap1(bx), wrap1(by), wrap1(bz));
     let (sx, sy, sz) = (s_curve(r.x), s_curve(r.y), s_curve(r.z));
     let lerp = |t: f64, a: f64, b: f64| a + t * (b - a);

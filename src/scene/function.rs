@@ -87,6 +87,7 @@ pub enum FnBuiltin {
 
 /// A function's expression. Run-time faults are silent: infinities and NaN.
 #[derive(Clone, Debug)]
+#[expect(missing_docs, reason = "the variants say what their parts are")]
 pub enum FnExpr {
     /// A number.
     Const(f64),

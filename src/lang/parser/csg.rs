@@ -13,7 +13,10 @@ impl Parser<'_> {
     pub(super) fn parse_csg(&mut self, op: Csg) -> PResult<Object> {
         let mut children = Vec::new();
         while let Some(child) = self.parse_object()? {
-            if op != Csg::Union && op != Csg::Merge && matches!(child.shape, Shape::Triangle { .. } | Shape::BicubicPatch { .. } | Shape::Polygon { .. }) {
+            if op != Csg::Union
+                && op != Csg::Merge
+                && matches!(child.shape, Shape::Triangle { .. } | Shape::BicubicPatch { .. } | Shape::Polygon { .. })
+            {
                 self.warn("Parse Warning: Patch objects not allowed in intersection.");
             }
             if children.len() >= self.options.max_objects {
@@ -332,7 +335,13 @@ impl Parser<'_> {
                     self.comma()?;
                     while let Some(k @ (Kw::X | Kw::Y | Kw::Z)) = self.peek_kw()? {
                         self.next()?;
-                        axes[if k == Kw::X { 0 } else if k == Kw::Y { 1 } else { 2 }] = true;
+                        axes[if k == Kw::X {
+                            0
+                        } else if k == Kw::Y {
+                            1
+                        } else {
+                            2
+                        }] = true;
                         self.comma()?;
                     }
                     precompute = Some((n, axes));

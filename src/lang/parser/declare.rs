@@ -39,7 +39,11 @@ impl Parser<'_> {
                     // The name is read from outer scopes for its element, as #local A[0] = ... does.
                     match p.symbols.resolve(name) {
                         Some(outer) if place.path.is_empty() => place = outer,
-                        _ => return Err(p.expected_instead("array identifier", crate::lang::token::Token { kind: TokenKind::Ident(name), span })),
+                        _ => {
+                            return Err(
+                                p.expected_instead("array identifier", crate::lang::token::Token { kind: TokenKind::Ident(name), span })
+                            );
+                        }
                     }
                 }
                 p.subscripts(&mut place)?;
@@ -100,9 +104,7 @@ impl Parser<'_> {
             return Ok(());
         }
         let kind = value.kind_name();
-        self.symbols
-            .store(place, value)
-            .map_err(|known| self.error(format!("Attempted to redefine {} as {kind}.", known.kind_name())))
+        self.symbols.store(place, value).map_err(|known| self.error(format!("Attempted to redefine {} as {kind}.", known.kind_name())))
     }
 
     pub(super) fn undef(&mut self) -> PResult<()> {

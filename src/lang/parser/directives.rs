@@ -336,15 +336,17 @@ impl Parser<'_> {
         }
         self.expect(Punct::LParen)?;
         let was = std::mem::replace(&mut self.closed_ops, true);
-        let range = (|| {
-            let low = self.parse_float()?;
-            self.closed_place(|p| p.comma())?;
-            Ok((low, self.parse_float()?))
-        })();
+        let range = self.case_range();
         self.closed_ops = was;
-        let (low, high): (f64, f64) = range?;
+        let (low, high) = range?;
         self.expect_closing()?;
         Ok(value >= low && value <= high)
+    }
+
+    fn case_range(&mut self) -> PResult<(f64, f64)> {
+        let low = self.parse_float()?;
+        self.closed_place(|p| p.comma())?;
+        Ok((low, self.parse_float()?))
     }
 
     fn fall_through(&mut self, kw: Kw) -> PResult<()> {

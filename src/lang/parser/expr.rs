@@ -20,16 +20,89 @@ pub(super) enum WordClass {
 
 pub(super) fn word_class(k: Kw) -> WordClass {
     match k {
-        Kw::Abs | Kw::Acos | Kw::Acosh | Kw::Asc | Kw::Asin | Kw::Asinh | Kw::Atan | Kw::Atan2 | Kw::Atanh | Kw::BitwiseAnd
-        | Kw::BitwiseOr | Kw::BitwiseXor | Kw::Ceil | Kw::Clock | Kw::ClockOn | Kw::Cos | Kw::Cosh | Kw::Defined | Kw::Degrees
-        | Kw::DimensionSize | Kw::Dimensions | Kw::Div | Kw::Exp | Kw::FileExists | Kw::Floor | Kw::Inside | Kw::Int | Kw::Ln
-        | Kw::Log | Kw::Max | Kw::Min | Kw::Mod | Kw::No | Kw::Now | Kw::Off | Kw::On | Kw::Pi | Kw::Pow | Kw::Radians | Kw::Rand
-        | Kw::Seed | Kw::Select | Kw::Sin | Kw::Sinh | Kw::Sqrt | Kw::Strcmp | Kw::Strlen | Kw::Tan | Kw::Tanh | Kw::Val
-        | Kw::Vdot | Kw::Version | Kw::Vlength | Kw::Yes => WordClass::Float,
-        Kw::X | Kw::Y | Kw::Z | Kw::U | Kw::V | Kw::T | Kw::VaxisRotate | Kw::Vcross | Kw::Vnormalize | Kw::Vrotate
-        | Kw::Vturbulence | Kw::MinExtent | Kw::MaxExtent | Kw::Trace => WordClass::Vector,
-        Kw::Color | Kw::Rgb | Kw::Rgbf | Kw::Rgbt | Kw::Rgbft | Kw::Srgb | Kw::Srgbf | Kw::Srgbt | Kw::Srgbft | Kw::Red | Kw::Green
-        | Kw::Blue | Kw::Filter | Kw::Transmit | Kw::Alpha => WordClass::Color,
+        Kw::Abs
+        | Kw::Acos
+        | Kw::Acosh
+        | Kw::Asc
+        | Kw::Asin
+        | Kw::Asinh
+        | Kw::Atan
+        | Kw::Atan2
+        | Kw::Atanh
+        | Kw::BitwiseAnd
+        | Kw::BitwiseOr
+        | Kw::BitwiseXor
+        | Kw::Ceil
+        | Kw::Clock
+        | Kw::ClockOn
+        | Kw::Cos
+        | Kw::Cosh
+        | Kw::Defined
+        | Kw::Degrees
+        | Kw::DimensionSize
+        | Kw::Dimensions
+        | Kw::Div
+        | Kw::Exp
+        | Kw::FileExists
+        | Kw::Floor
+        | Kw::Inside
+        | Kw::Int
+        | Kw::Ln
+        | Kw::Log
+        | Kw::Max
+        | Kw::Min
+        | Kw::Mod
+        | Kw::No
+        | Kw::Now
+        | Kw::Off
+        | Kw::On
+        | Kw::Pi
+        | Kw::Pow
+        | Kw::Radians
+        | Kw::Rand
+        | Kw::Seed
+        | Kw::Select
+        | Kw::Sin
+        | Kw::Sinh
+        | Kw::Sqrt
+        | Kw::Strcmp
+        | Kw::Strlen
+        | Kw::Tan
+        | Kw::Tanh
+        | Kw::Val
+        | Kw::Vdot
+        | Kw::Version
+        | Kw::Vlength
+        | Kw::Yes => WordClass::Float,
+        Kw::X
+        | Kw::Y
+        | Kw::Z
+        | Kw::U
+        | Kw::V
+        | Kw::T
+        | Kw::VaxisRotate
+        | Kw::Vcross
+        | Kw::Vnormalize
+        | Kw::Vrotate
+        | Kw::Vturbulence
+        | Kw::MinExtent
+        | Kw::MaxExtent
+        | Kw::Trace => WordClass::Vector,
+        Kw::Color
+        | Kw::Rgb
+        | Kw::Rgbf
+        | Kw::Rgbt
+        | Kw::Rgbft
+        | Kw::Srgb
+        | Kw::Srgbf
+        | Kw::Srgbt
+        | Kw::Srgbft
+        | Kw::Red
+        | Kw::Green
+        | Kw::Blue
+        | Kw::Filter
+        | Kw::Transmit
+        | Kw::Alpha => WordClass::Color,
         _ => WordClass::Other,
     }
 }

@@ -156,7 +156,11 @@ impl Parser<'_> {
             if !all {
                 return Err(self.error(format!("{} of a single index is possible only for images with a palette.", k.text())));
             }
-            if k == Kw::Filter { map.filter_all = x } else { map.transmit_all = x }
+            if k == Kw::Filter {
+                map.filter_all = x
+            } else {
+                map.transmit_all = x
+            }
             return Ok(());
         };
         if !all && (index < 0 || index as usize >= palette.len()) {
@@ -176,11 +180,26 @@ impl Parser<'_> {
             return self.function_image();
         }
         if let Some(
-            Kw::Gif | Kw::Tga | Kw::Png | Kw::Ppm | Kw::Pgm | Kw::Jpeg | Kw::Tiff | Kw::Bmp | Kw::Exr | Kw::Hdr | Kw::Iff | Kw::Pot | Kw::Sys,
+            Kw::Gif
+            | Kw::Tga
+            | Kw::Png
+            | Kw::Ppm
+            | Kw::Pgm
+            | Kw::Jpeg
+            | Kw::Tiff
+            | Kw::Bmp
+            | Kw::Exr
+            | Kw::Hdr
+            | Kw::Iff
+            | Kw::Pot
+            | Kw::Sys,
         ) = self.peek_kw()?
         {
             self.next()?;
-        } else if !matches!(self.peek()?.kind, TokenKind::Str(_) | TokenKind::Kw(Kw::Concat | Kw::Str | Kw::Substr | Kw::Strlwr | Kw::Strupr | Kw::Chr)) {
+        } else if !matches!(
+            self.peek()?.kind,
+            TokenKind::Str(_) | TokenKind::Kw(Kw::Concat | Kw::Str | Kw::Substr | Kw::Strlwr | Kw::Strupr | Kw::Chr)
+        ) {
             return self.expected("map file spec");
         }
         let name = self.parse_file_name()?;
@@ -213,7 +232,8 @@ impl Parser<'_> {
         }
         let bytes = self.world.read(&path).map_err(|e| self.error(e.to_string()))?;
         // Before 3.7 without assumed_gamma nothing is corrected.
-        let decode = if self.scene.settings.gamma == WorkingGamma::None || (self.version < 370 && !self.gamma_set) { Decode::Raw } else { decode };
+        let decode =
+            if self.scene.settings.gamma == WorkingGamma::None || (self.version < 370 && !self.gamma_set) { Decode::Raw } else { decode };
         let image = decode_image(&bytes, decode, self.scene.settings.gamma, self.version < 370)
             .map_err(|e| self.error(format!("Cannot read image '{name}': {e}.")))?;
         let image = Arc::new(image);
@@ -360,7 +380,14 @@ fn palette_of(img: &image::RgbaImage, f: &impl Fn(f64) -> f32) -> Image {
         });
         indices.push(i as u8);
     }
-    Image { width: img.width(), height: img.height(), pixels: Pixels::Indexed { indices, palette }, has_alpha: false, deep: false, raw_rg: Vec::new() }
+    Image {
+        width: img.width(),
+        height: img.height(),
+        pixels: Pixels::Indexed { indices, palette },
+        has_alpha: false,
+        deep: false,
+        raw_rg: Vec::new(),
+    }
 }
 
 fn color_of(c: [f64; 4], f: &impl Fn(f64) -> f32) -> Rgbft {
@@ -374,8 +401,12 @@ fn from_dynamic(img: &image::DynamicImage, f: &impl Fn(f64) -> f32) -> Image {
     let deep = !matches!(img, D::ImageLuma8(_) | D::ImageLumaA8(_) | D::ImageRgb8(_) | D::ImageRgba8(_));
     let mut raw_rg = Vec::new();
     let pixels = match img {
-        D::ImageLuma8(g) => Pixels::Gray16(g.pixels().map(|p| (f(f64::from(p.0[0]) / 255.0).clamp(0.0, 1.0) * 65_535.0 + 0.5) as u16).collect()),
-        D::ImageLuma16(g) => Pixels::Gray16(g.pixels().map(|p| (f(f64::from(p.0[0]) / 65_535.0).clamp(0.0, 1.0) * 65_535.0 + 0.5) as u16).collect()),
+        D::ImageLuma8(g) => {
+            Pixels::Gray16(g.pixels().map(|p| (f(f64::from(p.0[0]) / 255.0).clamp(0.0, 1.0) * 65_535.0 + 0.5) as u16).collect())
+        }
+        D::ImageLuma16(g) => {
+            Pixels::Gray16(g.pixels().map(|p| (f(f64::from(p.0[0]) / 65_535.0).clamp(0.0, 1.0) * 65_535.0 + 0.5) as u16).collect())
+        }
         D::ImageRgb32F(_) | D::ImageRgba32F(_) => {
             Pixels::Color(img.to_rgba32f().pixels().map(|p| color_of(p.0.map(f64::from), f)).collect())
         }

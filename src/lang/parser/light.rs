@@ -157,17 +157,8 @@ impl Parser<'_> {
         let n1 = self.parse_int()?.clamp(1, 4096) as u32;
         self.comma()?;
         let n2 = self.parse_int()?.clamp(1, 4096) as u32;
-        let plain = AreaLight {
-            axis1,
-            axis2,
-            n1,
-            n2,
-            adaptive: 100,
-            jitter: false,
-            circular: false,
-            orient: false,
-            area_illumination: false,
-        };
+        let plain =
+            AreaLight { axis1, axis2, n1, n2, adaptive: 100, jitter: false, circular: false, orient: false, area_illumination: false };
         Ok(before.map_or(plain.clone(), |b| AreaLight { axis1, axis2, n1, n2, ..b }))
     }
 
@@ -261,4 +252,3 @@ impl Parser<'_> {
         })
     }
 }
-

@@ -70,7 +70,7 @@ fn is_degenerate(v: [DVec3; 3]) -> bool {
 impl Parser<'_> {
     pub(super) fn parse_mesh(&mut self) -> PResult<Shape> {
         let mut b = Builder::default();
-        let (mut any_uv, mut any_texture, mut any_normal) = (false, false, false);
+        let (mut any_texture, mut any_normal) = (false, false);
         loop {
             let smooth = match self.peek_kw()? {
                 Some(Kw::Triangle) => false,
@@ -86,27 +86,19 @@ impl Parser<'_> {
             let face = vertices.map(|v| b.vertex(v));
             b.mesh.faces.push(face);
             // Three equal normals make a flat face.
-            b.mesh.normal_indices.push(match normals {
+            let normal_ix = match normals {
                 Some(n) if n[0] != n[1] || n[0] != n[2] => {
                     any_normal = true;
                     n.map(|n| b.normal(n))
                 }
                 _ => FLAT,
-            });
-            b.mesh.uv_indices.push(match uvs {
-                Some(uv) => {
-                    any_uv = true;
-                    uv.map(|uv| b.uv(uv))
-                }
-                None => [DVec2::ZERO, DVec2::X, DVec2::Y].map(|uv| b.uv(uv)),
-            });
-            b.mesh.face_textures.push(match textures {
-                Some(t) => {
-                    any_texture = true;
-                    t.map(|t| b.texture(t))
-                }
-                None => FLAT,
-            });
+            };
+            b.mesh.normal_indices.push(normal_ix);
+            let uv_ix = uvs.unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]).map(|uv| b.uv(uv));
+            b.mesh.uv_indices.push(uv_ix);
+            any_texture |= textures.is_some();
+            let texture_ix = textures.map_or(FLAT, |t| t.map(|t| b.texture(t)));
+            b.mesh.face_textures.push(texture_ix);
             if b.mesh.faces.len() as i64 > MAX_ITEMS {
                 return Err(self.error("Too many triangles in a mesh."));
             }
@@ -117,7 +109,6 @@ impl Parser<'_> {
         if !any_normal {
             b.mesh.normal_indices.clear();
         }
-        let _ = any_uv;
         if !any_texture {
             b.mesh.face_textures.clear();
         }

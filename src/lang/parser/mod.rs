@@ -248,6 +248,3 @@ impl<'a> Parser<'a> {
 fn six_digits(x: f64) -> f64 {
     if x == 0.0 || !x.is_finite() { x } else { format!("{x:.5e}").parse().unwrap_or(x) }
 }
-
-#[cfg(test)]
-mod tests;

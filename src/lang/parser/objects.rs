@@ -2,7 +2,6 @@
 
 use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
-use crate::lang::token::Punct;
 use crate::lang::value::{FinishExtras, Value};
 use crate::math::{DVec3, EPSILON};
 use crate::scene::object::PhotonFlags;
@@ -368,7 +367,11 @@ impl Parser<'_> {
                 return Ok(());
             }
             while let Some(object) = p.parse_object()? {
-                if clip { o.clipped_by.push(object) } else { o.bounded_by.push(object) }
+                if clip {
+                    o.clipped_by.push(object)
+                } else {
+                    o.bounded_by.push(object)
+                }
                 p.comma()?;
             }
             Ok(())
@@ -406,11 +409,6 @@ impl Parser<'_> {
             Ok(())
         })
     }
-
-    /// The closing brace follows.
-    pub(super) fn at_block_end(&mut self) -> PResult<bool> {
-        self.at_punct(Punct::RBrace)
-    }
 }
 
 /// Old words of a finish move to the object's interior.
@@ -434,10 +432,43 @@ pub(super) fn poly_terms(order: u32) -> usize {
 fn is_object_word(k: Kw) -> bool {
     matches!(
         k,
-        Kw::Sphere | Kw::Box | Kw::Cylinder | Kw::Cone | Kw::Plane | Kw::Torus | Kw::Disc | Kw::Triangle | Kw::SmoothTriangle
-            | Kw::Polygon | Kw::Mesh | Kw::Mesh2 | Kw::BicubicPatch | Kw::Quadric | Kw::Cubic | Kw::Quartic | Kw::Poly
-            | Kw::Polynomial | Kw::Lathe | Kw::Sor | Kw::Prism | Kw::SphereSweep | Kw::Superellipsoid | Kw::Ovus | Kw::Blob
-            | Kw::JuliaFractal | Kw::HeightField | Kw::Isosurface | Kw::Parametric | Kw::Text | Kw::Union | Kw::Merge
-            | Kw::Intersection | Kw::Difference | Kw::Composite | Kw::Object | Kw::LightGroup | Kw::LightSource
+        Kw::Sphere
+            | Kw::Box
+            | Kw::Cylinder
+            | Kw::Cone
+            | Kw::Plane
+            | Kw::Torus
+            | Kw::Disc
+            | Kw::Triangle
+            | Kw::SmoothTriangle
+            | Kw::Polygon
+            | Kw::Mesh
+            | Kw::Mesh2
+            | Kw::BicubicPatch
+            | Kw::Quadric
+            | Kw::Cubic
+            | Kw::Quartic
+            | Kw::Poly
+            | Kw::Polynomial
+            | Kw::Lathe
+            | Kw::Sor
+            | Kw::Prism
+            | Kw::SphereSweep
+            | Kw::Superellipsoid
+            | Kw::Ovus
+            | Kw::Blob
+            | Kw::JuliaFractal
+            | Kw::HeightField
+            | Kw::Isosurface
+            | Kw::Parametric
+            | Kw::Text
+            | Kw::Union
+            | Kw::Merge
+            | Kw::Intersection
+            | Kw::Difference
+            | Kw::Composite
+            | Kw::Object
+            | Kw::LightGroup
+            | Kw::LightSource
     )
 }

@@ -69,7 +69,9 @@ impl Parser<'_> {
 
     fn set_kind(&mut self, pattern: &mut Pattern, kind: PatternKind) {
         match kind {
-            PatternKind::Marble | PatternKind::Wood | PatternKind::Spiral1 { .. } | PatternKind::Spiral2 { .. } => pattern.wave = Wave::Triangle,
+            PatternKind::Marble | PatternKind::Wood | PatternKind::Spiral1 { .. } | PatternKind::Spiral2 { .. } => {
+                pattern.wave = Wave::Triangle
+            }
             PatternKind::Quilted { .. } | PatternKind::Image(_) => pattern.frequency = 0.0,
             ref k if list_length(k).is_some() => pattern.frequency = 0.0,
             _ => {}

@@ -3,7 +3,7 @@
 use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
 use crate::lang::token::TokenKind;
-use crate::scene::settings::{Photons, Radiosity, WorkingGamma};
+use crate::scene::settings::{Photons, WorkingGamma};
 
 impl Parser<'_> {
     pub(super) fn parse_global_settings(&mut self) -> PResult<()> {

@@ -157,12 +157,16 @@ impl Parser<'_> {
             scene.camera = self.defaults.camera.clone();
         }
         if !self.version_set {
-            self.warn_once("no version", "Parse Warning: This scene did not contain a #version directive: it is treated as one of version 3.62.");
+            self.warn_once(
+                "no version",
+                "Parse Warning: This scene did not contain a #version directive: it is treated as one of version 3.62.",
+            );
         }
         scene.settings.version = if self.version_set { self.version } else { 362 };
         if !self.gamma_set {
             let old = scene.settings.version < 370;
-            scene.settings.gamma = if old { crate::scene::settings::WorkingGamma::None } else { crate::scene::settings::WorkingGamma::Linear };
+            scene.settings.gamma =
+                if old { crate::scene::settings::WorkingGamma::None } else { crate::scene::settings::WorkingGamma::Linear };
         }
         if let Some(r) = &mut scene.settings.radiosity {
             r.importance = self.defaults.importance;

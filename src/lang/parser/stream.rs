@@ -69,7 +69,7 @@ impl Parser<'_> {
         Ok(t)
     }
 
-    fn is_special(&self, t: Token) -> bool {
+    pub(super) fn is_special(&self, t: Token) -> bool {
         match t.kind {
             TokenKind::Punct(Punct::Hash) => true,
             TokenKind::Ident(s) => matches!(self.symbols.value(s), Some(Value::Macro(_))),

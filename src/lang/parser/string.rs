@@ -290,7 +290,8 @@ fn format_date(seconds: i64, format: &str) -> String {
             Some('T' | 'X') => out += &format!("{h:02}:{m:02}:{s:02}"),
             Some('R') => out += &format!("{h:02}:{m:02}"),
             Some('c') => {
-                out += &format!("{} {} {day:2} {h:02}:{m:02}:{s:02} {year}", &DAYS[weekday as usize][..3], &MONTHS[month as usize - 1][..3]);
+                out +=
+                    &format!("{} {} {day:2} {h:02}:{m:02}:{s:02} {year}", &DAYS[weekday as usize][..3], &MONTHS[month as usize - 1][..3]);
             }
             Some('U') => out += &format!("{:02}", (yday - 1 + 7 - weekday) / 7),
             Some('W') => out += &format!("{:02}", (yday - 1 + 7 - (weekday + 6) % 7) / 7),

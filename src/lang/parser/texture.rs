@@ -60,7 +60,9 @@ impl Parser<'_> {
             pigment.pattern.kind = PatternKind::Plain;
             pigment.pattern.frequency = 0.0;
         } else if self.pattern_kind(&mut pigment.pattern)? {
-            if !matches!(pigment.kind, PigmentKind::ColorMap(_) | PigmentKind::PigmentMap(_)) || list_length(&pigment.pattern.kind).is_some() {
+            if !matches!(pigment.kind, PigmentKind::ColorMap(_) | PigmentKind::PigmentMap(_))
+                || list_length(&pigment.pattern.kind).is_some()
+            {
                 pigment.kind = PigmentKind::DefaultMap;
             }
             if list_length(&pigment.pattern.kind).is_some() {
@@ -647,7 +649,8 @@ impl Parser<'_> {
                 if self.plain_part(layer)? {
                     continue;
                 }
-            } else if let Texture::Map { pattern, .. } | Texture::Average { pattern, .. } | Texture::MaterialMap { pattern, .. } = &mut texture
+            } else if let Texture::Map { pattern, .. } | Texture::Average { pattern, .. } | Texture::MaterialMap { pattern, .. } =
+                &mut texture
                 && self.pattern_modifier(pattern)?
             {
                 continue;
