@@ -14,6 +14,8 @@ pub struct LatheShape {
     pub sturm: bool,
     /// Greatest radius.
     pub radius: f64,
+    /// Least radius.
+    pub inner_radius: f64,
     /// Lowest y.
     pub low: f64,
     /// Highest y.
@@ -25,7 +27,7 @@ impl LatheShape {
     pub fn new(kind: CurveKind, points: &[DVec2], sturm: bool) -> Option<Self> {
         let segments = open_curve(kind, points);
         let (min, max) = extent(&segments)?;
-        Some(Self { segments, sturm, radius: max.x.max(-min.x), low: min.y, high: max.y })
+        Some(Self { segments, sturm, radius: max.x.max(-min.x), inner_radius: min.x, low: min.y, high: max.y })
     }
 }
 

@@ -99,13 +99,13 @@ pub fn intersect_lathe(s: &LatheShape, ray: &LocalRay, sink: &mut impl HitSink) 
     }
 }
 
-/// Parity of the curve's crossings beyond the point's radius.
+/// Parity of the curve's crossings beyond the point's radius; nearer to the axis than the whole curve is outside (POV-Ray's slip).
 pub fn inside_lathe(s: &LatheShape, p: DVec3) -> bool {
     if p.y < s.low || p.y > s.high {
         return false;
     }
     let r = (p.x * p.x + p.z * p.z).sqrt();
-    if r > s.radius {
+    if r > s.radius || r < s.inner_radius {
         return false;
     }
     let mut inside = false;
@@ -230,7 +230,8 @@ pub fn intersect_prism(s: &PrismShape, ray: &LocalRay, sink: &mut impl HitSink) 
     } else {
         (DVec2::new(d.z, -d.x), o.z * d.x - o.x * d.z)
     };
-    if a.abs().max_element() < EPSILON {
+    // Rays along y miss all sides, those of cones too (POV-Ray's rule).
+    if a.abs().max_element() < EPSILON || (d.x.abs() < EPSILON && d.z.abs() < EPSILON) {
         return;
     }
     for (k, seg) in s.segments.iter().enumerate() {
