@@ -8,7 +8,7 @@ use super::{Backend, BackendError, Progress};
 use crate::compile::CompiledScene;
 use crate::film::Film;
 use crate::integrate::antialias::{Block, Sample, blocks};
-use crate::integrate::classic::{ScenePlan, Tracer};
+use crate::integrate::classic::{RadiosityState, ScenePlan, Tracer};
 use crate::integrate::samples::sample_position;
 use crate::integrate::{IntegratorKind, RenderSettings};
 use rayon::prelude::*;
@@ -60,6 +60,14 @@ impl Backend for CpuBackend {
         pool.install(|| {
             if ordered {
                 let mut tracer = Tracer::new(scene, &plan);
+                if let (Some(r), true) = (&scene.settings.radiosity, plan.quality.volumes) {
+                    let mut first = Tracer::new(scene, &plan);
+                    first.radiosity = Some(RadiosityState::new(r));
+                    first.start_radiosity_pass(true);
+                    first.pretrace(r, &all, settings.width.max(settings.height), &|| !cancel.load(Ordering::Relaxed));
+                    tracer.radiosity = first.radiosity;
+                    tracer.start_radiosity_pass(false);
+                }
                 all.iter().for_each(|b| job.render(*b, &mut tracer));
             } else {
                 all.par_iter().with_max_len(1).for_each(|b| job.render(*b, &mut Tracer::new(scene, &plan)));

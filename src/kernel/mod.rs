@@ -11,6 +11,7 @@ pub mod inside;
 pub mod intersect;
 pub mod lens;
 pub mod light;
+pub mod media;
 pub mod mesh_camera;
 pub mod query;
 #[cfg(test)]

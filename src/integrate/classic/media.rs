@@ -1,27 +1,338 @@
-//! Media along rays. Source: spec/light.md, section 7.
+//! Media along rays: three ways to sample what a piece of ray gathers and loses. Source: spec/light.md, section 7.
 
-use super::ray::{InteriorList, TraceRay};
+use super::inline_vec::InlineVec;
+use super::lights::is_dark;
+use super::ray::{InteriorList, Seen, TraceRay};
+use super::texturing;
 use super::trace::Tracer;
-use crate::kernel::SurfaceHit;
-use crate::math::{Ray, Rgb};
+use crate::compile::geometry::prim_flags;
+use crate::kernel::light::{attenuation, light_ray};
+use crate::kernel::media::{SampleInterval, beam_piece, extinction, phase_value, sample_intervals};
+use crate::kernel::{PatternPoint, SurfaceHit};
+use crate::math::color::grey;
+use crate::math::{DVec2, DVec3, Ray, Rgb, Vec3};
 use crate::scene::Light;
+
+/// Most samples that one interval may take, whatever the scene asks for.
+const MAX_INTERVAL_SAMPLES: u32 = 1 << 16;
+
+/// Media of one call, into `CompiledScene::media`.
+type MediaList = InlineVec<u32, 8>;
+
+/// Scratch memory of [`Tracer::media_over`].
+#[derive(Default)]
+pub(super) struct MediaScratch {
+    lights: Vec<LitPiece>,
+    starts: Vec<f64>,
+    ends: Vec<f64>,
+    pieces: Vec<SampleInterval>,
+    intervals: Vec<SampleInterval>,
+}
+
+/// The piece of a ray that a light reaches.
+#[derive(Clone, Copy)]
+struct LitPiece {
+    light_ix: u32,
+    start: f64,
+    end: f64,
+}
+
+/// What a sample or an interval adds: light, and depth of extinction.
+#[derive(Clone, Copy, Default)]
+struct Gathered {
+    light: Rgb,
+    depth: Rgb,
+}
+
+impl Gathered {
+    fn scaled(self, k: f32) -> Self {
+        Self { light: self.light * k, depth: self.depth * k }
+    }
+
+    fn plus(self, o: Self) -> Self {
+        Self { light: self.light + o.light, depth: self.depth + o.depth }
+    }
+}
+
+/// One call: a piece of ray and the media in it.
+struct MediaRay<'m> {
+    ray: &'m Ray,
+    around: &'m InteriorList,
+    media: &'m MediaList,
+    lights: &'m [LitPiece],
+    aa_threshold: f32,
+    jitter: f64,
+    method: u8,
+}
 
 impl Tracer<'_> {
     /// What the media of the interiors around a ray make of what it sees.
-    pub(super) fn inside_media(&mut self, _r: &TraceRay, _hit: &SurfaceHit, rgb: Rgb, transmit: f32) -> (Rgb, f32) {
-        (rgb, transmit)
+    pub(super) fn inside_media(&mut self, r: &TraceRay, hit: &SurfaceHit, rgb: Rgb, transmit: f32) -> (Rgb, f32) {
+        let list = self.media_of(&r.interiors);
+        if list.is_empty() {
+            return (rgb, transmit);
+        }
+        let g = self.media_over(&r.ray, hit.t, &list, &r.interiors, Some(hit), false);
+        let through = (-g.depth).exp();
+        (rgb * through + g.light, transmit * grey(through))
     }
 
-    /// What media on `0..depth` of a shadow ray leave of `color`.
+    /// What the atmosphere's media make of what a ray sees over `0..depth`.
+    pub(super) fn atmosphere(&mut self, r: &TraceRay, depth: f64, hit: Option<&SurfaceHit>, seen: &mut Seen) {
+        let mut list = MediaList::default();
+        self.scene.atmosphere.iter().for_each(|m| list.push(*m));
+        let g = self.media_over(&r.ray, depth, &list, &r.interiors, hit, false);
+        let through = (-g.depth).exp();
+        seen.rgb = seen.rgb * through + g.light;
+        seen.transmit *= grey(through);
+    }
+
+    /// What media on `0..depth` of a shadow ray leave of `color`. The last piece, which ends at the light, meets no object's media.
     pub(super) fn shadow_media(
         &mut self,
-        _light: &Light,
-        _ray: &Ray,
-        _depth: f64,
-        _around: &InteriorList,
+        light: &Light,
+        ray: &Ray,
+        depth: f64,
+        around: &InteriorList,
         color: Rgb,
-        _ends_at_surface: bool,
+        ends_at_surface: bool,
     ) -> Rgb {
-        color
+        let mut depths = Vec3::ZERO;
+        if ends_at_surface && around.is_hollow() {
+            let list = self.media_of(around);
+            if !list.is_empty() {
+                depths += self.media_over(ray, depth, &list, around, None, true).depth;
+            }
+        }
+        let air = light.media_attenuation && light.media_interaction && (ends_at_surface || around.is_hollow());
+        if air && !self.scene.atmosphere.is_empty() {
+            let mut list = MediaList::default();
+            self.scene.atmosphere.iter().for_each(|m| list.push(*m));
+            depths += self.media_over(ray, depth, &list, around, None, true).depth;
+        }
+        color * (-depths).exp()
+    }
+
+    fn media_of(&self, around: &InteriorList) -> MediaList {
+        let mut list = MediaList::default();
+        for ix in around.iter() {
+            self.scene.interiors[ix as usize].media.iter().for_each(|m| list.push(*m));
+        }
+        list
+    }
+
+    /// Light and depth of extinction over `0..depth` of `ray`.
+    fn media_over(
+        &mut self,
+        ray: &Ray,
+        depth: f64,
+        media: &MediaList,
+        around: &InteriorList,
+        hit: Option<&SurfaceHit>,
+        is_shadow: bool,
+    ) -> Gathered {
+        let scene = self.scene;
+        let table = &scene.media;
+        // Of equal ones the first; max_by would give the last.
+        let rule_ix = media.iter().fold(media.get(0), |best, m| {
+            if table[m as usize].params.intervals > table[best as usize].params.intervals { m } else { best }
+        });
+        let rule = &table[rule_ix as usize].params;
+        let has_density = !table[rule_ix as usize].densities.is_empty();
+        let mut s = std::mem::take(&mut self.media_scratch[usize::from(is_shadow)]);
+        s.lights.clear();
+        if !is_shadow {
+            self.lit_pieces(ray, depth, hit, &mut s.lights);
+        }
+        s.starts.clear();
+        s.starts.extend(s.lights.iter().map(|l| l.start));
+        s.ends.clear();
+        s.ends.extend(s.lights.iter().map(|l| l.end));
+        sample_intervals(rule, has_density, depth, &mut s.starts, &mut s.ends, &mut s.pieces, &mut s.intervals);
+        let constant = media.iter().all(|m| self.plan.constant_media[m as usize]);
+        let call = MediaRay {
+            ray,
+            around,
+            media,
+            lights: &s.lights,
+            aa_threshold: media.iter().map(|m| table[m as usize].params.aa_threshold).fold(f64::INFINITY, f64::min) as f32,
+            jitter: rule.jitter,
+            method: if is_shadow && constant { 1 } else { rule.method },
+        };
+        let mut total = Gathered::default();
+        for interval in &s.intervals {
+            let part = match call.method {
+                3 => self.adaptive_interval(&call, interval, rule.samples.0, rule.aa_level),
+                _ if is_shadow && constant => self.random_sample(&call, interval),
+                _ => self.random_interval(&call, interval, rule, &self.plan.media_thresholds[rule_ix as usize], is_shadow),
+            };
+            total.light += part.light * (-total.depth).exp();
+            total.depth += part.depth;
+        }
+        self.media_scratch[usize::from(is_shadow)] = s;
+        total
+    }
+
+    /// The pieces of a ray that lights reach which light media.
+    fn lit_pieces(&self, ray: &Ray, depth: f64, hit: Option<&SurfaceHit>, out: &mut Vec<LitPiece>) {
+        let scene = self.scene;
+        let prim = hit.map(|h| &scene.geometry.prims[h.prim_ix as usize]);
+        let lights = match prim {
+            Some(p) if p.flags & prim_flags::NO_GLOBAL_LIGHTS != 0 => match self.plan.group_lights.get(p.group_ix as usize) {
+                Some(group) => group,
+                None => return,
+            },
+            _ => &self.plan.global_lights,
+        };
+        for ix in lights {
+            let light = &scene.lights[*ix as usize].light;
+            if light.media_interaction && !light.shadowless {
+                if let Some((start, end)) = beam_piece(light, ray, depth) {
+                    out.push(LitPiece { light_ix: *ix, start, end });
+                }
+            }
+        }
+    }
+
+    /// Methods 1 and 2: random or stratified places, more of them while the variance is high.
+    fn random_interval(
+        &mut self,
+        call: &MediaRay,
+        i: &SampleInterval,
+        rule: &crate::scene::Media,
+        thresholds: &[f64],
+        is_shadow: bool,
+    ) -> Gathered {
+        let min = rule.samples.0.clamp(1, MAX_INTERVAL_SAMPLES);
+        let (mut sum, mut sum_sq) = (Gathered::default(), Vec3::ZERO);
+        for j in 0..min {
+            let g = if call.method == 1 {
+                self.random_sample(call, i)
+            } else {
+                let q = (f64::from(j) + 0.5) / f64::from(min) + self.media_random.draw() * call.jitter / f64::from(min);
+                self.media_sample(call, i, q)
+            };
+            sum = sum.plus(g);
+            sum_sq += g.light * g.light;
+        }
+        let mut n = min;
+        while !is_shadow {
+            let Some(threshold) = thresholds.get(n as usize - 1) else { break };
+            let k = n as f32;
+            let mean = sum.light / k;
+            let variance = (sum_sq / k - mean * mean) / k;
+            if variance.to_array().iter().all(|v| f64::from(*v) < *threshold) {
+                break;
+            }
+            let g = self.random_sample(call, i);
+            sum = sum.plus(g);
+            sum_sq += g.light * g.light;
+            n += 1;
+        }
+        sum.scaled(1.0 / n as f32)
+    }
+
+    fn random_sample(&mut self, call: &MediaRay, i: &SampleInterval) -> Gathered {
+        let q = self.media_random.draw();
+        self.media_sample(call, i, q)
+    }
+
+    /// Method 3: regular places, refined where neighbours differ. The last part of the interval is never looked at.
+    fn adaptive_interval(&mut self, call: &MediaRay, i: &SampleInterval, samples: u32, aa_level: u32) -> Gathered {
+        let m = (samples.min(MAX_INTERVAL_SAMPLES) / 2 + 1).max(2);
+        let step = 1.0 / f64::from(m + 1);
+        let mut sum = Gathered::default();
+        let (mut q_last, mut last) = (0.0, Gathered::default());
+        for j in 0..=m {
+            let q = f64::from(j) * step + step * call.jitter * (self.media_random.draw() - 0.5);
+            let here = self.media_sample(call, i, q);
+            if j > 0 {
+                let r = self.refined(call, i, (q_last, last), (q, here), aa_level.min(20) as i32 - 1);
+                sum.light += r.light * (-sum.depth / m as f32).exp();
+                sum.depth += r.depth;
+            }
+            (q_last, last) = (q, here);
+        }
+        sum.scaled(1.0 / m as f32)
+    }
+
+    /// The mean between two samples.
+    fn refined(&mut self, call: &MediaRay, i: &SampleInterval, a: (f64, Gathered), c: (f64, Gathered), level: i32) -> Gathered {
+        let q = 0.5 * (a.0 + c.0) + call.jitter * (c.0 - a.0) * (self.media_random.draw() - 0.5);
+        let b = (q, self.media_sample(call, i, q));
+        if level <= 0 {
+            return a.1.plus(b.1).plus(c.1).scaled(1.0 / 3.0);
+        }
+        let differ = |x: &Gathered, y: &Gathered| (x.light - y.light).abs().element_sum() > call.aa_threshold;
+        let left = if differ(&a.1, &b.1) {
+            self.refined(call, i, a, b, level - 1).scaled(0.5)
+        } else {
+            a.1.scaled(1.0 / 3.0).plus(b.1.scaled(1.0 / 6.0))
+        };
+        let right = if differ(&b.1, &c.1) {
+            self.refined(call, i, b, c, level - 1).scaled(0.5)
+        } else {
+            b.1.scaled(1.0 / 6.0).plus(c.1.scaled(1.0 / 3.0))
+        };
+        left.plus(right)
+    }
+
+    /// One sample at share `q` of an interval, as if the whole interval were so.
+    fn media_sample(&mut self, call: &MediaRay, i: &SampleInterval, q: f64) -> Gathered {
+        let scene = self.scene;
+        let at = i.start + q * i.length;
+        let point = call.ray.at(at);
+        let (mut ext, mut light, mut scattering) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+        for ix in call.media.iter() {
+            let medium = &scene.media[ix as usize];
+            let density = self.density(ix, point, call.ray.dir);
+            ext += density * extinction(&medium.params);
+            light += density * medium.params.emission;
+            scattering += density * medium.params.scattering;
+        }
+        if i.lit && !is_dark(scattering) {
+            for l in call.lights.iter().filter(|l| (l.start..=l.end).contains(&at)) {
+                let (arriving, dir) = self.light_at(l.light_ix, call.around, point);
+                if !is_dark(arriving) {
+                    let cos = call.ray.dir.dot(dir);
+                    let phase: f64 = call.media.iter().map(|ix| self.phase(ix, cos)).sum::<f64>() / call.media.len() as f64;
+                    light += phase as f32 * scattering * arriving;
+                }
+            }
+        }
+        let h = i.length as f32;
+        let weaken = if call.method == 3 { Vec3::ONE } else { (-ext * h * q as f32).exp() };
+        Gathered { light: light * h * weaken, depth: ext * h }
+    }
+
+    /// A medium's phase value; those that do not scatter count as isotropic.
+    fn phase(&self, ix: u32, cos: f64) -> f64 {
+        let m = &self.scene.media[ix as usize].params;
+        if is_dark(m.scattering) { 1.0 } else { phase_value(m.scattering_type, m.eccentricity, cos) }
+    }
+
+    fn light_at(&mut self, light_ix: u32, around: &InteriorList, point: DVec3) -> (Rgb, DVec3) {
+        let light = &self.scene.lights[light_ix as usize].light;
+        let way = light_ray(light, point, DVec3::ZERO);
+        let color = light.color * attenuation(light, point, &way) as f32;
+        if is_dark(color) {
+            return (color, way.dir);
+        }
+        // Shadow rays may cross media too, but they have scratch memory of their own.
+        let color = match &light.area {
+            Some(a) => self.through_area(light_ix, a, around, point, &way, color),
+            None => self.unshadowed(light_ix, around, point, &way, color),
+        };
+        (color, way.dir)
+    }
+
+    fn density(&self, ix: u32, point: DVec3, ray_dir: DVec3) -> Rgb {
+        let medium = &self.scene.media[ix as usize];
+        if medium.densities.is_empty() {
+            return Vec3::ONE;
+        }
+        let t = &self.scene.geometry.transforms[medium.transform_ix as usize];
+        let p = PatternPoint { point: t.inverse_point(point), uv: DVec2::ZERO, world: point, normal: DVec3::ZERO, ray_dir };
+        medium.densities.iter().fold(Vec3::ONE, |product, d| product * texturing::pigment(self.scene, *d, &p).map_or(Vec3::ONE, |c| c.rgb))
     }
 }

@@ -8,7 +8,10 @@ mod lights;
 mod media;
 mod pixel;
 mod plan;
+mod pretrace;
 mod principled;
+mod radiosity;
+mod radiosity_cache;
 mod ray;
 mod refract;
 mod shade;
@@ -18,4 +21,5 @@ mod texturing;
 mod trace;
 
 pub use plan::ScenePlan;
+pub use radiosity::RadiosityState;
 pub use trace::Tracer;

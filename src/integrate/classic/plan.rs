@@ -4,6 +4,7 @@ use super::ray::InteriorList;
 use crate::compile::{CompiledScene, NONE};
 use crate::kernel::camera::CameraModel;
 use crate::kernel::inside::containing_interiors;
+use crate::kernel::media::stop_thresholds;
 
 /// What POV-Ray's quality levels switch. Source: spec/light.md, section 13.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +53,10 @@ pub struct ScenePlan {
     pub output_alpha: bool,
     /// Any interior or the air has media.
     pub has_media: bool,
+    /// By medium: the same everywhere.
+    pub constant_media: Vec<bool>,
+    /// By medium: its stop thresholds.
+    pub media_thresholds: Vec<Vec<f64>>,
 }
 
 impl ScenePlan {
@@ -70,6 +75,8 @@ impl ScenePlan {
             modern: scene.settings.version >= 370,
             output_alpha,
             has_media: !scene.media.is_empty(),
+            constant_media: scene.media.iter().map(|m| m.densities.is_empty()).collect(),
+            media_thresholds: scene.media.iter().map(|m| stop_thresholds(&m.params)).collect(),
         }
     }
 

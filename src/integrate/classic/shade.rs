@@ -67,7 +67,7 @@ impl Tracer<'_> {
             transmit += weight * t;
         }
         self.lit.truncate(lit_base);
-        if self.plan.has_media && self.plan.quality.volumes && r.interiors.is_hollow() {
+        if self.plan.has_media && self.sees_volumes(r) {
             (rgb, transmit) = self.inside_media(r, hit, rgb, transmit);
         }
         (rgb, transmit)
@@ -113,6 +113,7 @@ impl Tracer<'_> {
             top_normal: ctx.normal,
             mirrors: InlineVec::default(),
         };
+        let mut indirect = [None; 2];
         for (nth, k) in (start..start + len).rev().enumerate() {
             let layer = scene.textures.layers[k as usize];
             let mut normal = ctx.normal;
@@ -142,7 +143,19 @@ impl Tracer<'_> {
             } else {
                 1.0 - f64::from(color.filter * color.rgb.max_element() + color.transmit)
             };
-            out.rgb += out.factor * self.own_light(ctx, finish, normal, color.rgb, att, p);
+            let mut own = self.own_light(ctx, finish, normal, color.rgb, att, p);
+            if self.radiosity_acts() {
+                own += self.indirect_on_layer(
+                    ctx,
+                    finish,
+                    normal,
+                    color.rgb,
+                    att,
+                    &mut indirect,
+                    weight * f64::from(grey(out.factor * color.rgb)),
+                );
+            }
+            out.rgb += out.factor * own;
             if found.is_some() {
                 out.colored = true;
                 out.factor *= color.transmittance();
@@ -179,6 +192,29 @@ impl Tracer<'_> {
         sum += color * finish.emission * att as f32;
         if finish.diffuse != 0.0 || finish.diffuse_back != 0.0 || finish.specular != 0.0 || finish.phong != 0.0 {
             sum += self.lamps_on_layer(ctx, finish, normal, color, att, p);
+        }
+        sum
+    }
+
+    /// Indirect light on a layer, in front and from behind; looked up for the first layer that asks and kept for those below.
+    fn indirect_on_layer(
+        &mut self,
+        ctx: &HitContext,
+        finish: &Finish,
+        normal: DVec3,
+        color: Rgb,
+        att: f64,
+        known: &mut [Option<Rgb>; 2],
+        weight: f64,
+    ) -> Rgb {
+        let mut sum = Vec3::ZERO;
+        for (side, sign) in [(0, 1.0), (1, -1.0)] {
+            let share = att * f64::from(finish.diffuse_raw[side]);
+            let weight = weight * share;
+            if known[side].is_none() && finish.diffuse_raw[side] != 0.0 && weight > self.adc_bailout * ctx.weight {
+                known[side] = Some(self.indirect_light(ctx, sign * normal, sign * ctx.normal, weight));
+            }
+            sum += known[side].unwrap_or(Vec3::ZERO) * color * share as f32;
         }
         sum
     }

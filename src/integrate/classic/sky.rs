@@ -59,7 +59,7 @@ impl Tracer<'_> {
     }
 
     /// What the air over `0..depth` does to what is seen.
-    pub(super) fn air(&mut self, r: &TraceRay, depth: f64, _hit: Option<&SurfaceHit>, seen: &mut Seen) {
+    pub(super) fn air(&mut self, r: &TraceRay, depth: f64, hit: Option<&SurfaceHit>, seen: &mut Seen) {
         let scene = self.scene;
         if !scene.rainbows.is_empty() {
             let random = &mut self.random;
@@ -68,6 +68,9 @@ impl Tracer<'_> {
                 seen.rgb = rgb;
                 seen.transmit *= factor;
             }
+        }
+        if !scene.atmosphere.is_empty() {
+            self.atmosphere(r, depth, hit, seen);
         }
         if !scene.fogs.is_empty() {
             let fog = fog_effect(&scene.fogs, &r.ray, depth, |fog, p| cover::fog_turbulence(scene, fog, p));

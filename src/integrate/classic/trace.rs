@@ -1,6 +1,8 @@
 //! One ray: nearest hit, shading or sky, and the air in between. Source: spec/light.md, section 2.
 
+use super::media::MediaScratch;
 use super::plan::ScenePlan;
+use super::radiosity::RadiosityState;
 use super::ray::{Seen, TraceRay};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
@@ -32,6 +34,10 @@ pub struct Tracer<'a> {
     pub(super) lit: Vec<Option<Rgb>>,
     /// Filtered colours of an area light's points.
     pub(super) area_points: Vec<Option<Rgb>>,
+    /// For view rays, and for the shadow rays inside them.
+    pub(super) media_scratch: [MediaScratch; 2],
+    /// Present while radiosity is on.
+    pub radiosity: Option<RadiosityState>,
 }
 
 impl<'a> Tracer<'a> {
@@ -50,6 +56,8 @@ impl<'a> Tracer<'a> {
             blockers: vec![[u32::MAX; 2]; scene.lights.len()],
             lit: Vec::new(),
             area_points: Vec::new(),
+            media_scratch: Default::default(),
+            radiosity: None,
         }
     }
 
@@ -73,7 +81,7 @@ impl<'a> Tracer<'a> {
             }
             None => (self.sky(r), BACKGROUND_DEPTH),
         };
-        if self.plan.quality.volumes && r.interiors.is_hollow() {
+        if self.sees_volumes(r) {
             self.air(r, depth, hit.as_ref(), &mut seen);
         }
         self.level -= counted;
