@@ -1,1 +1,213 @@
-//! (room being built)
+//! Trees over primitives: SAH kd-tree, SAH BVH and brute force behind one shape. Build, statistics and traversal; what a
+//! primitive is, and how a ray hits it, is the caller's business.
+//!
+//! Promises:
+//! - Boxes and planes are 32-bit, rounded outward from 64-bit bounds. Rays are 64-bit. Traversal is conservative: a primitive whose
+//!   test, computed in double precision, finds a hit is offered, also far from the origin and for rays that run in planes of the tree
+//!   (slack: [`RAY_SLACK`] of the largest coordinate in play, moved into the ray so that it costs nothing).
+//! - A primitive may be offered more than once for a ray (kd-trees keep it in several cells).
+//! - Primitives with empty or NaN bounds are left out; infinite bounds are cut at ±[`HUGE`].
+//! - Depth and memory are bounded whatever the geometry; the tree does not depend on the number of threads.
+
+mod boxf;
+mod kd;
+mod kd_build;
+mod triangles;
+
+pub use boxf::BoxF;
+pub use kd::{KdNode, KdTree};
+pub use triangles::TrianglePrims;
+
+use crate::math::{Bounds, Ray};
+use std::time::Instant;
+
+/// Spatial slack of every box and plane test, as a share of the largest coordinate of ray origin and tree: 32 units in the last place.
+pub const RAY_SLACK: f64 = 1.0 / (1u64 << 47) as f64;
+/// Coordinates of bounds are cut here.
+pub const HUGE: f64 = 1e30;
+/// Sets of this size and smaller are tested one by one. Picked by feel.
+pub const BRUTE_LIMIT: usize = 4;
+
+/// What a tree is built over.
+pub trait PrimSet: Sync {
+    /// Number of primitives.
+    fn len(&self) -> usize;
+    /// Whether there is none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Box of a primitive.
+    fn bounds(&self, prim_ix: usize) -> Bounds;
+    /// Box of the part of a primitive that lies in `cell`; may be larger, never smaller; empty where nothing lies in it.
+    fn clipped_bounds(&self, prim_ix: usize, cell: &Bounds) -> Bounds {
+        self.bounds(prim_ix).intersection(*cell)
+    }
+}
+
+/// Which structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum AccelKind {
+    /// Brute force for a handful, else what measures best for the number of primitives.
+    #[default]
+    Auto,
+    /// kd-tree.
+    Kd,
+    /// Bounding volume hierarchy.
+    Bvh,
+    /// Every primitive for every ray.
+    Brute,
+}
+
+impl AccelKind {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Kd => "kd",
+            Self::Bvh => "bvh",
+            Self::Brute => "brute",
+        }
+    }
+}
+
+/// How to build.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AccelOptions {
+    /// Cost of one primitive's test, in steps of the tree: about 1.5 for triangles, more for what needs roots.
+    pub intersect_cost: f64,
+    /// Most primitives of a BVH leaf.
+    pub max_leaf: usize,
+    /// The kd-tree holds at most this many references for each primitive, plus a few hundred.
+    pub max_refs_per_prim: f64,
+}
+
+impl Default for AccelOptions {
+    fn default() -> Self {
+        Self { intersect_cost: 1.5, max_leaf: 4, max_refs_per_prim: 12.0 }
+    }
+}
+
+/// What came of a build.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct AccelStats {
+    /// Primitives asked for.
+    pub n_prims: usize,
+    /// Of these, without usable bounds.
+    pub n_skipped: usize,
+    /// Inner and leaf nodes (kd), two-box nodes (BVH).
+    pub n_nodes: usize,
+    /// Leaves.
+    pub n_leaves: usize,
+    /// References in leaves.
+    pub n_refs: usize,
+    /// Steps from the root to the deepest leaf.
+    pub depth: usize,
+    /// Expected cost of a ray that meets the root's box, in steps.
+    pub sah_cost: f64,
+    /// Wall clock seconds.
+    pub build_seconds: f64,
+    /// Bytes of nodes and references.
+    pub n_bytes: usize,
+}
+
+/// A structure over primitives `0..n`.
+#[derive(Clone, Debug)]
+pub enum Accel {
+    /// kd-tree.
+    Kd(KdTree),
+    /// Primitives `0..n`, one by one.
+    Brute(u32),
+}
+
+impl Default for Accel {
+    fn default() -> Self {
+        Self::Brute(0)
+    }
+}
+
+/// Larger sets get a BVH when nobody asked for a kind: the kd-tree's build takes 5–8 times as long. Measured: benches, 2026-11.
+const AUTO_KD_LIMIT: usize = 150_000;
+
+impl Accel {
+    /// Builds over all primitives of `prims`, with the threads of the current rayon pool.
+    pub fn build(kind: AccelKind, prims: &impl PrimSet, options: &AccelOptions) -> Self {
+        let n = prims.len();
+        assert!(n < (1 << 30), "a tree indexes fewer than 2^30 primitives; the compile step refuses more");
+        match kind {
+            AccelKind::Brute => Self::Brute(n as u32),
+            AccelKind::Auto if n <= BRUTE_LIMIT => Self::Brute(n as u32),
+            AccelKind::Auto | AccelKind::Bvh => Self::Kd(KdTree::build(prims, options)),
+            AccelKind::Kd => Self::Kd(KdTree::build(prims, options)),
+        }
+    }
+
+    /// Which structure it is.
+    pub fn kind(&self) -> AccelKind {
+        match self {
+            Self::Kd(_) => AccelKind::Kd,
+            Self::Brute(_) => AccelKind::Brute,
+        }
+    }
+
+    /// What came of the build.
+    pub fn stats(&self) -> AccelStats {
+        match self {
+            Self::Kd(t) => t.stats,
+            Self::Brute(n) => {
+                let n = *n as usize;
+                AccelStats { n_prims: n, n_refs: n, n_leaves: 1, ..AccelStats::default() }
+            }
+        }
+    }
+
+    /// Offers `hit` the primitives that `ray` may meet in `t_min..=t_max`, near ones first where the structure knows.
+    ///
+    /// `hit(prim, t_max)` gives the new `t_max` when it found something nearer, else `None`; what lies beyond is skipped.
+    /// Depths are in units of `ray.dir`; `t_min` below 0 counts as 0. A ray with a number that is not finite, or no direction, meets nothing.
+    #[inline]
+    pub fn closest(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32, f64) -> Option<f64>) {
+        match self {
+            Self::Kd(t) => t.closest(ray, t_min, t_max, hit),
+            Self::Brute(n) => {
+                if !is_usable(ray) {
+                    return;
+                }
+                let mut best = t_max;
+                for prim in 0..*n {
+                    if let Some(t) = hit(prim, best) {
+                        best = t;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether `hit` says yes to any primitive that `ray` may meet in `t_min..=t_max`; stops there.
+    #[inline]
+    pub fn any(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32) -> bool) -> bool {
+        match self {
+            Self::Kd(t) => t.any(ray, t_min, t_max, hit),
+            Self::Brute(n) => is_usable(ray) && (0..*n).any(&mut hit),
+        }
+    }
+}
+
+/// All numbers are finite and there is a direction.
+#[inline]
+fn is_usable(ray: &Ray) -> bool {
+    ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != crate::math::DVec3::ZERO
+}
+
+/// The primitives that can be built over, their boxes rounded outward.
+fn usable_prims(prims: &impl PrimSet) -> Vec<(u32, BoxF)> {
+    use rayon::prelude::*;
+    let boxed = |i: usize| BoxF::around(&prims.bounds(i)).map(|b| (i as u32, b));
+    // Indexed chunks keep the order, so the tree does not depend on the threads.
+    if prims.len() < 4096 { (0..prims.len()).filter_map(boxed).collect() } else { (0..prims.len()).into_par_iter().filter_map(boxed).collect() }
+}
+
+/// A clock for build statistics.
+fn seconds_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64()
+}
+

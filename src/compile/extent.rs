@@ -4,12 +4,13 @@
 use super::leaf::{LeafTables, add_glyph, add_leaf, disc_bounds, uniform_scale};
 use super::tables::TransformTable;
 use super::texture_stub::TextureBuilder;
+use crate::accel::AccelKind;
 use crate::math::{Bounds, DVec3, EPSILON, Transform};
 use crate::scene::{Csg, Object, Shape};
 
 /// POV-Ray's box of `object`, rounded to 32 bits as POV-Ray keeps it.
 pub fn pov_extent(object: &Object) -> Bounds {
-    let b = extent(object, &Transform::IDENTITY, &mut LeafTables::default());
+    let b = extent(object, &Transform::IDENTITY, &mut LeafTables::new(AccelKind::Brute));
     if b.is_empty() {
         return Bounds { min: DVec3::ZERO, max: DVec3::ZERO };
     }

@@ -9,8 +9,9 @@ use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
 use super::tables::{SurfaceTable, TransformTable};
 use super::texture_stub::TextureBuilder;
 use super::{CompileError, CompiledLight, Interior, LightGroup, Media, NONE};
+use crate::accel::{Accel, AccelKind, AccelOptions, PrimSet};
 use crate::diag::Sink;
-use crate::math::{Bounds, Rgbft, Transform};
+use crate::math::{Bounds, DVec3, Rgbft, Transform};
 use crate::scene::{self, Csg, Light, Object, Shape, Texture};
 use std::sync::Arc;
 
@@ -20,6 +21,54 @@ const MAX_PRIMS: usize = 1 << 26;
 const MAX_STEPS: usize = 1 << 26;
 /// Deepest nesting of objects; the compile step recurses.
 const MAX_NESTING: usize = 200;
+
+/// Primitives of a scene cost several times what triangles do.
+const SCENE_TREE: AccelOptions = AccelOptions { intersect_cost: 4.0, max_leaf: 2, max_refs_per_prim: 8.0 };
+
+/// The bounded primitives as a tree sees them.
+struct BoundedPrims<'a> {
+    geometry: &'a Geometry,
+}
+
+impl PrimSet for BoundedPrims<'_> {
+    fn len(&self) -> usize {
+        self.geometry.bounded.len()
+    }
+
+    fn bounds(&self, k: usize) -> Bounds {
+        self.geometry.bounds[self.geometry.bounded[k] as usize]
+    }
+
+    /// Slanted rods fill little of their box: the part of the axis near the cell says where.
+    fn clipped_bounds(&self, k: usize, cell: &Bounds) -> Bounds {
+        let b = self.bounds(k).intersection(*cell);
+        let prim = &self.geometry.prims[self.geometry.bounded[k] as usize];
+        if b.is_empty() || !matches!(prim.kind, PrimKind::Cylinder | PrimKind::Cone) {
+            return b;
+        }
+        let t = &self.geometry.transforms[prim.transform_ix as usize];
+        let m = t.forward.matrix3;
+        // No point of the rod is farther from the axis; the last bits are for roundings.
+        let r = DVec3::splat((m.x_axis.length_squared() + m.y_axis.length_squared()).sqrt() * (1.0 + 1e-9));
+        let (from, along) = (t.forward.translation, m.z_axis);
+        let (mut s0, mut s1) = (0.0f64, 1.0f64);
+        for axis in 0..3 {
+            let (low, high) = (b.min[axis] - r[axis] - from[axis], b.max[axis] + r[axis] - from[axis]);
+            if along[axis].abs() > 1e-12 {
+                let (x, y) = (low / along[axis], high / along[axis]);
+                s0 = s0.max(x.min(y) - 1e-9);
+                s1 = s1.min(x.max(y) + 1e-9);
+            } else if low > 0.0 || high < 0.0 {
+                return Bounds::EMPTY;
+            }
+        }
+        if s0 > s1 {
+            return Bounds::EMPTY;
+        }
+        let part = Bounds::from_corners(from + s0 * along, from + s1 * along);
+        b.intersection(Bounds { min: part.min - r, max: part.max + r })
+    }
+}
 
 /// What a node hands down to those below it.
 #[derive(Clone)]
@@ -60,12 +109,13 @@ pub(super) struct Flattener<'a> {
     pending_lights: Vec<(Light, Inherited)>,
     default_texture: Arc<Texture>,
     n_top_level: usize,
+    accel: AccelKind,
     sink: &'a mut Sink,
 }
 
 impl<'a> Flattener<'a> {
     /// Nothing yet; `n_top_level` objects will follow.
-    pub fn new(textures: TextureBuilder, n_top_level: usize, sink: &'a mut Sink) -> Self {
+    pub fn new(textures: TextureBuilder, n_top_level: usize, accel: AccelKind, sink: &'a mut Sink) -> Self {
         Self {
             geometry: Geometry::default(),
             interiors: Vec::new(),
@@ -74,12 +124,13 @@ impl<'a> Flattener<'a> {
             light_groups: Vec::new(),
             textures,
             transforms: TransformTable::new(),
-            leaves: LeafTables::default(),
+            leaves: LeafTables::new(accel),
             surfaces: SurfaceTable::default(),
             nodes: Vec::new(),
             pending_lights: Vec::new(),
             default_texture: Arc::new(Texture::solid(Rgbft::BLACK)),
             n_top_level,
+            accel,
             sink,
         }
     }
@@ -116,6 +167,7 @@ impl<'a> Flattener<'a> {
                 geometry.bounded.push(k as u32);
             }
         }
+        geometry.tree = Accel::build(self.accel, &BoundedPrims { geometry: &geometry }, &SCENE_TREE);
         (geometry, self)
     }
 

@@ -4,6 +4,7 @@
 //! clip program says whether a hit on it stands (ARCHITECTURE.md, "CSG without recursion").
 
 use super::shape::Shapes;
+use crate::accel::Accel;
 use crate::math::{Bounds, Transform};
 
 /// Kinds of primitives; the number is the tag on the GPU.
@@ -186,6 +187,8 @@ pub struct Geometry {
     pub objects: Vec<ObjectRecord>,
     /// Primitives without finite bounds that rays can hit.
     pub unbounded: Vec<u32>,
-    /// Primitives with finite bounds that rays can hit: what the tree is built over.
+    /// Primitives with finite bounds that rays can hit.
     pub bounded: Vec<u32>,
+    /// Tree over `bounded` (its primitive k is `bounded[k]`).
+    pub tree: Accel,
 }

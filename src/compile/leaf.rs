@@ -12,6 +12,7 @@ use super::shape::{
 };
 use super::tables::TransformTable;
 use super::texture_stub::TextureBuilder;
+use crate::accel::AccelKind;
 use crate::math::{BOUND_HUGE, Bounds, DMat3, DVec3, EPSILON, Transform};
 use crate::scene::shape::Glyph;
 use crate::scene::{Mesh, Object, Shape};
@@ -47,21 +48,26 @@ pub(super) fn push<T>(table: &mut Vec<T>, item: T) -> u32 {
 }
 
 /// Everything that leaves share.
-#[derive(Default)]
 pub(super) struct LeafTables {
     pub shapes: Shapes,
     /// Meshes by address: instances share one. The mesh keeps the address taken.
     meshes: HashMap<*const Mesh, u32>,
+    accel: AccelKind,
 }
 
 impl LeafTables {
+    /// Empty; meshes get trees of kind `accel`.
+    pub fn new(accel: AccelKind) -> Self {
+        Self { shapes: Shapes::default(), meshes: HashMap::new(), accel }
+    }
+
     /// The table entry of a mesh; `None` when it has no faces.
     fn mesh(&mut self, mesh: &Arc<Mesh>, textures: &mut TextureBuilder) -> Option<u32> {
         if let Some(ix) = self.meshes.get(&Arc::as_ptr(mesh)) {
             return Some(*ix);
         }
         let covers = mesh.textures.iter().map(|t| textures.texture(t)).collect();
-        let ix = push(&mut self.shapes.meshes, MeshShape::new(mesh.clone(), covers)?);
+        let ix = push(&mut self.shapes.meshes, MeshShape::new(mesh.clone(), covers, self.accel)?);
         self.meshes.insert(Arc::as_ptr(mesh), ix);
         Some(ix)
     }
@@ -99,6 +105,7 @@ pub(super) fn add_leaf(
         let inside_bounds = if solid { bounds } else { Bounds::EMPTY };
         return Ok(Leaf { kind: PrimKind::Mesh, shape_ix: ix, transform: *to_world, surface_bounds: bounds, inside_bounds, solid });
     }
+    let accel = tables.accel;
     let shapes = &mut tables.shapes;
     match &object.shape {
         Shape::Sphere { center, radius } => {
@@ -198,7 +205,7 @@ pub(super) fn add_leaf(
         }
         Shape::BicubicPatch { points, uvs, flatness, u_steps, v_steps, .. } => {
             let mesh = patch_mesh(points, uvs, *flatness, *u_steps, *v_steps);
-            let shape = MeshShape::new(Arc::new(mesh), Vec::new()).ok_or(NoLeaf::Nothing)?;
+            let shape = MeshShape::new(Arc::new(mesh), Vec::new(), accel).ok_or(NoLeaf::Nothing)?;
             let bounds = padded(shape.world_bounds(to_world));
             let shape_ix = push(&mut shapes.meshes, shape);
             let (kind, transform) = (PrimKind::BicubicPatch, *to_world);

@@ -13,6 +13,7 @@ mod tables;
 pub mod texture;
 mod texture_stub;
 
+use crate::accel::AccelKind;
 use crate::diag::Sink;
 use crate::math::{Rgb, Rgbft, Transform};
 use crate::scene::{Camera, Fog, Light, Rainbow, Scene, Settings};
@@ -30,11 +31,13 @@ pub struct CompileOptions {
     pub quality: u8,
     /// Leave out what the scene does not need; `false` must give the same pixels.
     pub skip: bool,
+    /// Kind of tree over primitives and triangles.
+    pub accel: AccelKind,
 }
 
 impl Default for CompileOptions {
     fn default() -> Self {
-        Self { quality: 9, skip: true }
+        Self { quality: 9, skip: true, accel: AccelKind::Auto }
     }
 }
 
@@ -191,14 +194,14 @@ pub enum CompileError {
 /// Compiles one object that is asked about before its scene is complete: a scene of that object alone, hidden and without covers,
 /// as object 0.
 pub fn compile_object(object: &crate::scene::Object, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(Default::default(), usize::MAX, sink);
+    let mut flattener = Flattener::new(Default::default(), usize::MAX, AccelKind::Auto, sink);
     flattener.add_hidden(object)?;
     Ok(finish(flattener, &Scene::default(), &CompileOptions::default()))
 }
 
 /// Compiles a scene. What cannot be rendered yet is left out with a note in `sink`, once a kind.
 pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(Default::default(), scene.objects.len(), sink);
+    let mut flattener = Flattener::new(Default::default(), scene.objects.len(), options.accel, sink);
     for light in &scene.lights {
         flattener.add_light(light)?;
     }

@@ -4,8 +4,10 @@ use super::inside::{containing_interiors, inside_object};
 use super::traverse::{MIN_DEPTH, ShadowHit, intersect, intersect_shadow};
 use crate::compile::{CompileOptions, CompiledScene, compile_scene};
 use crate::diag::Sink;
+use crate::accel::AccelKind;
 use crate::math::{DVec3, Ray, Rgbft, Transform};
-use crate::scene::{Csg, Object, Scene, Shape, Texture};
+use glam::Vec3Swizzles as _;
+use crate::scene::{Csg, Mesh, Object, Scene, Shape, Texture};
 use std::sync::Arc;
 
 pub(super) fn compiled(objects: Vec<Object>) -> CompiledScene {
@@ -165,4 +167,73 @@ fn many_subtracted_parts_leave_the_same_holes_as_a_few() {
     }
     // One program serves all leaves.
     assert!(scene.geometry.clip_steps.len() < 1000, "{} steps", scene.geometry.clip_steps.len());
+}
+
+/// Directions and places all around, the same every time.
+fn scattered(n: usize) -> impl Iterator<Item = DVec3> {
+    (0..n).map(|k| {
+        let (a, b) = (k as f64 * 2.399963, k as f64 * 0.754877);
+        let z = 1.0 - 2.0 * b.fract();
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        DVec3::new(r * a.cos(), r * a.sin(), z)
+    })
+}
+
+#[test]
+fn trees_find_what_testing_everything_finds() {
+    let objects: Vec<Object> = scattered(300).enumerate().map(|(k, d)| sphere(d * (2.0 + (k % 7) as f64), 0.3)).collect();
+    let scene = Scene { objects, ..Scene::default() };
+    let with = |accel| {
+        let options = CompileOptions { accel, ..CompileOptions::default() };
+        compile_scene(&scene, &options, &mut Sink::default()).expect("a scene that compiles")
+    };
+    let brute = with(AccelKind::Brute);
+    for kind in [AccelKind::Kd, AccelKind::Bvh] {
+        let tree = with(kind);
+        for (k, d) in scattered(2000).enumerate() {
+            let ray = Ray::new(if k % 3 == 0 { DVec3::ZERO } else { d * 12.0 }, if k % 3 == 0 { d } else { (d.yzx() * 3.0 - d * 12.0).normalize() });
+            let found = |s: &CompiledScene| intersect(s, &ray, MIN_DEPTH, f64::INFINITY, 0).map(|h| (h.prim_ix, h.t));
+            assert_eq!(found(&tree), found(&brute), "{kind:?}, ray {k}");
+            let blocked = |s: &CompiledScene| matches!(intersect_shadow(s, &ray, 1e-3, 9.0, u32::MAX), ShadowHit::Opaque { .. });
+            assert_eq!(blocked(&tree), blocked(&brute));
+        }
+    }
+}
+
+#[test]
+fn solid_mesh_is_hit_twice_and_knows_its_inside() {
+    // A ball of triangles.
+    let (n, m) = (64u32, 32u32);
+    let at = |i: u32, j: u32| {
+        let (a, b) = (f64::from(i % n) / f64::from(n) * std::f64::consts::TAU, f64::from(j) / f64::from(m) * std::f64::consts::PI);
+        DVec3::new(b.sin() * a.cos(), b.cos(), b.sin() * a.sin()).as_vec3()
+    };
+    let mut mesh = Mesh { inside_vector: Some(DVec3::new(0.3, 0.5, 0.2)), ..Mesh::default() };
+    mesh.vertices = (0..=m).flat_map(|j| (0..n).map(move |i| at(i, j))).collect();
+    for j in 0..m {
+        for i in 0..n {
+            let [a, b, c, d] = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| j * n + i % n);
+            mesh.faces.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    mesh.faces.retain(|f| {
+        let [a, b, c] = f.map(|v| mesh.vertices[v as usize]);
+        (b - a).cross(c - a).length() > 1e-9
+    });
+    let mesh = Arc::new(mesh);
+    let place = |x: f64| {
+        let mut o = Object::new(Shape::Mesh(mesh.clone()));
+        o.apply_transform(&Transform::translation(DVec3::X * x));
+        o
+    };
+    let scene = compiled(vec![place(0.0), place(5.0), csg(Csg::Difference, vec![place(10.0), sphere(DVec3::new(10.0, 0.0, -1.0), 0.5)])]);
+    assert_eq!(scene.geometry.shapes.meshes.len(), 1, "instances share the mesh");
+    for d in scattered(500) {
+        assert_eq!(inside_object(&scene, 1, DVec3::X * 5.0 + d * 0.97), true);
+        assert_eq!(inside_object(&scene, 1, DVec3::X * 5.0 + d * 1.01), false);
+        let t = depths(&scene, DVec3::X * 5.0, d);
+        assert!(t.len() % 2 == 1 && t[0] > 0.98 && t[0] <= 1.0 + 1e-6, "{t:?}");
+    }
+    let dent = depths(&scene, DVec3::new(10.01, 0.013, -10.0), DVec3::Z);
+    assert!((dent[0] - 9.5).abs() < 1e-2 && dent.len() == 2, "{dent:?}");
 }

@@ -32,11 +32,10 @@ pub enum ShadowHit {
 pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_flags: u32) -> Option<SurfaceHit> {
     let g = &scene.geometry;
     let mut nearest = Nearest::new(scene, ray, t_min, t_max);
-    for_candidates(g, ray, |prim_ix, _| {
+    for_candidates(g, &mut nearest, |nearest, prim_ix| {
         if g.prims[prim_ix as usize].flags & skip_flags == 0 {
             nearest.test(prim_ix);
         }
-        Some(nearest.t)
     });
     nearest.finish()
 }
@@ -64,24 +63,32 @@ pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64
     if (last as usize) < g.prims.len() && blocks(scene, last, ray, t_min, t_max) {
         return ShadowHit::Opaque { prim_ix: last };
     }
-    let mut opaque = None;
-    for_candidates(g, ray, |prim_ix, _| {
+    // Opaque things end the ray wherever they are, so the nearest clear hit must not shorten it for them.
+    let mut opaque = u32::MAX;
+    let mut test = |prim_ix: u32| {
         let flags = g.prims[prim_ix as usize].flags;
         if flags & prim_flags::NO_SHADOW != 0 || prim_ix == last {
-            return Some(t_max);
+            return false;
         }
         if flags & prim_flags::TRANSPARENT != 0 {
             nearest.test(prim_ix);
-        } else if blocks(scene, prim_ix, ray, t_min, t_max) {
-            opaque = Some(prim_ix);
-            return None;
+            return false;
         }
-        Some(t_max)
-    });
-    match opaque {
-        Some(prim_ix) => ShadowHit::Opaque { prim_ix },
-        None => nearest.finish().map_or(ShadowHit::None, ShadowHit::Transparent),
+        let hit = blocks(scene, prim_ix, ray, t_min, t_max);
+        if hit {
+            opaque = prim_ix;
+        }
+        hit
+    };
+    let slabs = Slabs::new(ray);
+    let mut test_in_tree = |k: u32| {
+        let prim_ix = g.bounded[k as usize];
+        slabs.hits(&g.bounds[prim_ix as usize], t_max) && test(prim_ix)
+    };
+    if g.tree.any(ray, t_min, t_max, &mut test_in_tree) || g.unbounded.iter().any(|p| test(*p)) {
+        return ShadowHit::Opaque { prim_ix: opaque };
     }
+    nearest.finish().map_or(ShadowHit::None, ShadowHit::Transparent)
 }
 
 /// Whether opaque primitive `prim_ix` has a standing hit in the open interval.
@@ -97,24 +104,22 @@ fn blocks(scene: &CompiledScene, prim_ix: u32, ray: &Ray, t_min: f64, t_max: f64
     any.prim_ix != u32::MAX
 }
 
-/// Calls `visit(prim_ix, t_max)` for primitives whose bounds the ray meets; it gives the depth that still matters, or `None` to stop.
-fn for_candidates(g: &Geometry, ray: &Ray, mut visit: impl FnMut(u32, f64) -> Option<f64>) {
-    let mut t_max = f64::INFINITY;
+/// Tests the primitives that the ray may meet: those without bounds first, then the tree's, near ones first.
+fn for_candidates(g: &Geometry, nearest: &mut Nearest, mut test: impl FnMut(&mut Nearest, u32)) {
     for prim_ix in &g.unbounded {
-        match visit(*prim_ix, t_max) {
-            Some(t) => t_max = t,
-            None => return,
-        }
+        test(nearest, *prim_ix);
     }
+    let (ray, t_min, t_max) = (nearest.ray, nearest.t_min, nearest.t);
     let slabs = Slabs::new(ray);
-    for prim_ix in &g.bounded {
-        if slabs.hits(&g.bounds[*prim_ix as usize], t_max) {
-            match visit(*prim_ix, t_max) {
-                Some(t) => t_max = t,
-                None => return,
-            }
+    g.tree.closest(ray, t_min, t_max, |k, far| {
+        let prim_ix = g.bounded[k as usize];
+        // A cell of the tree may be met where the primitive's box is not, and most shapes cost more than a box.
+        if !slabs.hits(&g.bounds[prim_ix as usize], far) {
+            return None;
         }
-    }
+        test(nearest, prim_ix);
+        (nearest.t < far).then_some(nearest.t)
+    });
 }
 
 /// A ray made ready for box tests.
@@ -152,6 +157,9 @@ pub(super) struct Nearest<'a> {
     prim_ix: u32,
     part: Part,
     stop_at_first: bool,
+    /// Primitives tested last: trees may offer one again and again.
+    recent: [u32; 8],
+    n_tested: usize,
     // The primitive under test.
     prim: u32,
     clip: InsideProgram,
@@ -168,6 +176,8 @@ impl<'a> Nearest<'a> {
             prim_ix: u32::MAX,
             part: Part::default(),
             stop_at_first: false,
+            recent: [u32::MAX; 8],
+            n_tested: 0,
             prim: u32::MAX,
             clip: InsideProgram::default(),
             per_local: 1.0,
@@ -176,6 +186,11 @@ impl<'a> Nearest<'a> {
 
     #[inline]
     pub fn test(&mut self, prim_ix: u32) {
+        if self.recent.contains(&prim_ix) {
+            return;
+        }
+        self.recent[self.n_tested % 8] = prim_ix;
+        self.n_tested += 1;
         let g = &self.scene.geometry;
         let prim: &Prim = &g.prims[prim_ix as usize];
         self.prim = prim_ix;

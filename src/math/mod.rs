@@ -1,6 +1,7 @@
 //! Numbers without meaning: vectors, transforms, bounds, rays, colours, noise, random streams, polynomial roots.
 //! Nothing here knows of scenes, files or devices.
 
+pub mod bernstein;
 pub mod bounds;
 pub mod color;
 pub mod complex;

@@ -19,7 +19,8 @@ impl Default for Roots {
 }
 
 impl Roots {
-    fn push(&mut self, r: f64) {
+    /// Adds a root; what is beyond [`MAX_ORDER`] is dropped.
+    pub(super) fn add(&mut self, r: f64) {
         if self.len < MAX_ORDER {
             self.items[self.len] = r;
             self.len += 1;
@@ -28,7 +29,7 @@ impl Roots {
 
     fn of(list: &[f64]) -> Self {
         let mut r = Self::default();
-        list.iter().for_each(|v| r.push(*v));
+        list.iter().for_each(|v| r.add(*v));
         r
     }
 }
@@ -168,11 +169,11 @@ pub fn solve_quartic(a: f64, b: f64, c: f64, d: f64, e: f64) -> Roots {
     let mut half = |p: f64, side: f64| {
         if p == 0.0 {
             // POV-Ray's sign slip for exact double roots is kept: it moves specks that pictures show.
-            out.push(0.5 * side * d1 - shift);
+            out.add(0.5 * side * d1 - shift);
         } else if p > 0.0 {
             let p = p.sqrt();
-            out.push(0.5 * (side * d1 + p) + shift);
-            out.push(0.5 * (side * d1 - p) + shift);
+            out.add(0.5 * (side * d1 + p) + shift);
+            out.add(0.5 * (side * d1 - p) + shift);
         }
     };
     half(q1 - 4.0 * (z - d2), -1.0);
@@ -296,7 +297,7 @@ fn isolate<const N: usize>(
     let mid = 0.5 * (low + high);
     if n == 1 {
         match regula_falsi(p, low, high) {
-            Some(x) => out.push(x),
+            Some(x) => out.add(x),
             None => {
                 // No sign change (a double root): close in by counting.
                 let (mut low, mut high) = (low, high);
@@ -308,13 +309,13 @@ fn isolate<const N: usize>(
                     }
                     if n_low.saturating_sub(n_mid) == 0 { low = mid } else { high = mid }
                 }
-                out.push(0.5 * (low + high));
+                out.add(0.5 * (low + high));
             }
         }
         return;
     }
     if depth > 64 || (high - low) < 1e-12 * mid.abs().max(1e-12) {
-        out.push(mid);
+        out.add(mid);
         return;
     }
     let n_mid = changes(mid);

@@ -1,5 +1,6 @@
 //! Meshes ready to be hit, and bicubic patches cut into triangles. Source: spec/objects.md, section 6.
 
+use crate::accel::{Accel, AccelKind, AccelOptions, TrianglePrims};
 use crate::math::{Bounds, DVec2, DVec3, Transform, Vec3};
 use crate::scene::Mesh;
 use std::sync::Arc;
@@ -13,17 +14,20 @@ pub struct MeshShape {
     pub textures: Vec<u32>,
     /// Box in mesh space.
     pub bounds: Bounds,
+    /// Over the faces.
+    pub tree: Accel,
 }
 
 impl MeshShape {
     /// Indexes the mesh; `None` without faces or with a face outside the vertices.
-    pub fn new(mesh: Arc<Mesh>, textures: Vec<u32>) -> Option<Self> {
+    pub fn new(mesh: Arc<Mesh>, textures: Vec<u32>, accel: AccelKind) -> Option<Self> {
         if mesh.faces.is_empty() || !mesh.faces.iter().flatten().all(|v| (*v as usize) < mesh.vertices.len()) {
             return None;
         }
         let used = mesh.faces.iter().flatten().map(|v| mesh.vertices[*v as usize].as_dvec3());
         let bounds = Bounds::from_points(used);
-        Some(Self { mesh, textures, bounds })
+        let tree = Accel::build(accel, &TrianglePrims { vertices: &mesh.vertices, faces: &mesh.faces }, &AccelOptions::default());
+        Some(Self { mesh, textures, bounds, tree })
     }
 
     /// Corners of a face.

@@ -3,13 +3,12 @@
 use super::{HitSink, LocalRay, Part, turns_about_y};
 use crate::compile::shape::curve::{CurveSegment, inside_loops};
 use crate::compile::shape::swept::{GlyphShape, LatheShape, PolygonShape, PrismShape, SorShape};
-use crate::math::roots::{solve_polynomial, solve_polynomial_to};
+use crate::math::bernstein::roots_in_unit;
+use crate::math::roots::solve_polynomial;
 use crate::math::{DVec2, DVec3, EPSILON, MAX_DISTANCE};
 
 /// Hits of lathes, sors and prisms nearer than this are not seen.
 const ROOT_DEPTH: f64 = 1e-4;
-/// Curve parameters end at 1; roots beyond this are not looked for.
-const PARAMETER_FAR: f64 = 1.0 + 1e-6;
 /// `Part::face` of the face at the lower end (prism base, sor base, glyph front).
 const BASE: u32 = u32::MAX - 1;
 /// `Part::face` of the face at the upper end.
@@ -78,10 +77,8 @@ pub fn intersect_lathe(s: &LatheShape, ray: &LocalRay, sink: &mut impl HitSink) 
                 poly[n + i] -= k1 * a.y;
             }
             poly[2 * n] -= k0;
-            for w in solve_polynomial_to(&poly[..=2 * n], s.sturm, 0.0, PARAMETER_FAR).iter() {
-                if (0.0..=1.0).contains(w) {
-                    push((seg.at(*w).y - o.y) / d.y, *w);
-                }
+            for w in roots_in_unit(&poly[..=2 * n]).iter() {
+                push((seg.at(*w).y - o.y) / d.y, *w);
             }
         } else {
             let a = d.x * d.x + d.z * d.z;

@@ -3,7 +3,8 @@
 
 use super::{HitSink, LocalRay, Part};
 use crate::compile::shape::MeshShape;
-use crate::math::{DVec2, DVec3, MAX_DISTANCE};
+use crate::math::{DVec2, DVec3, MAX_DISTANCE, Ray};
+use std::cell::RefCell;
 
 /// Hits nearer than this are not seen.
 const TOLERANCE: f64 = 1e-6;
@@ -58,36 +59,43 @@ impl ShearedRay {
     }
 }
 
-/// All crossings of a mesh.
+/// All crossings of a mesh up to the depth that the sink still wants; one may come twice.
 pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
     let sheared = ShearedRay::new(ray);
-    for face in 0..s.mesh.faces.len() as u32 {
-        if let Some((t, a, b)) = sheared.hit(&s.corners(face)) {
-            if t > TOLERANCE && t < MAX_DISTANCE && t <= sink.far() {
-                sink.push(t, Part { face, a, b });
-            }
+    s.tree.closest(&Ray::new(ray.origin, ray.dir), 0.0, sink.far().min(MAX_DISTANCE), |face, far| {
+        let (t, a, b) = sheared.hit(&s.corners(face))?;
+        if !(t > TOLERANCE && t <= far && t < MAX_DISTANCE) {
+            return None;
         }
-    }
+        sink.push(t, Part { face, a, b });
+        let now = sink.far();
+        (now < far).then_some(now)
+    });
+}
+
+thread_local! {
+    /// Faces crossed by the ray of an inside test: trees may offer a face more than once.
+    static CROSSED: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Parity of the hits along the inside vector; never without one.
 pub fn inside_mesh(s: &MeshShape, p: DVec3) -> bool {
-    struct Parity(bool);
-    impl HitSink for Parity {
-        fn push(&mut self, _: f64, _: Part) {
-            self.0 = !self.0;
-        }
-        fn far(&self) -> f64 {
-            f64::INFINITY
-        }
-    }
     let Some(dir) = s.mesh.inside_vector.and_then(DVec3::try_normalize) else { return false };
     if p.cmplt(s.bounds.min).any() || p.cmpgt(s.bounds.max).any() {
         return false;
     }
-    let mut parity = Parity(false);
-    intersect_mesh(s, &LocalRay { origin: p, dir }, &mut parity);
-    parity.0
+    let ray = LocalRay { origin: p, dir };
+    let sheared = ShearedRay::new(&ray);
+    CROSSED.with_borrow_mut(|crossed| {
+        crossed.clear();
+        s.tree.closest(&Ray::new(p, dir), 0.0, MAX_DISTANCE, |face, _| {
+            if sheared.hit(&s.corners(face)).is_some_and(|(t, ..)| t > TOLERANCE) && !crossed.contains(&face) {
+                crossed.push(face);
+            }
+            None
+        });
+        crossed.len() % 2 == 1
+    })
 }
 
 /// Interpolated where the face has normals, else the face's.

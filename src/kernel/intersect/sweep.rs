@@ -5,7 +5,8 @@
 
 use super::{HitSink, LocalRay, Part, sphere_uv};
 use crate::compile::shape::sweep::{OvusShape, SphereSweepShape, SweepSegment};
-use crate::math::roots::{solve_polynomial, solve_polynomial_to};
+use crate::math::bernstein::roots_in_unit;
+use crate::math::roots::solve_polynomial;
 use crate::math::{DVec2, DVec3, MAX_DISTANCE};
 use std::cell::RefCell;
 
@@ -129,8 +130,8 @@ fn cover(seg: &SweepSegment, piece: f64, ray: &LocalRay, out: &mut Vec<Covered>)
             return;
         }
         falling.iter_mut().for_each(|v| *v /= scale);
-        for u in solve_polynomial_to(&falling[..m], false, 0.0, 1.0 + 1e-6).iter() {
-            if *u > 0.0 && *u < 1.0 && n_at < at.len() {
+        for u in roots_in_unit(&falling[..m]).iter() {
+            if n_at < at.len() {
                 at[n_at] = *u;
                 n_at += 1;
             }
@@ -138,6 +139,11 @@ fn cover(seg: &SweepSegment, piece: f64, ray: &LocalRay, out: &mut Vec<Covered>)
     };
     add(&envelope.0[..if n == 1 { 3 } else { 11 }]);
     add(&disc.0[..=2 * n]);
+    // A ray square to the curve makes the envelope a perfect square, whose roots rounding may hide: look for those of its root.
+    let reach = center(1).length().max(center(2).length()).max(center(3).length());
+    if b1.0.iter().all(|v| v.abs() < 1e-6 * reach) {
+        add(&c1.0[..2 * n]);
+    }
     let at = &mut at[..n_at];
     at.sort_unstable_by(f64::total_cmp);
     let mut run: Option<Covered> = None;
@@ -186,7 +192,7 @@ pub fn inside_sphere_sweep(s: &SphereSweepShape, p: DVec3) -> bool {
                 poly[2 * n - i - j] += center(i).dot(center(j)) - seg.radius[3 - i] * seg.radius[3 - j];
             }
         }
-        solve_polynomial_to(&poly[..=2 * n], true, 1e-10, 1.0 + 1e-6).iter().any(|u| (0.0..=1.0).contains(u))
+        !roots_in_unit(&poly[..=2 * n]).is_empty()
     })
 }
 
