@@ -63,10 +63,7 @@ impl BoxF {
     /// What both hold; `None` when that is nothing.
     #[inline]
     pub fn intersection(&self, other: &BoxF) -> Option<Self> {
-        let b = Self {
-            lo: std::array::from_fn(|k| self.lo[k].max(other.lo[k])),
-            hi: std::array::from_fn(|k| self.hi[k].min(other.hi[k])),
-        };
+        let b = Self { lo: std::array::from_fn(|k| self.lo[k].max(other.lo[k])), hi: std::array::from_fn(|k| self.hi[k].min(other.hi[k])) };
         (0..3).all(|k| b.lo[k] <= b.hi[k]).then_some(b)
     }
 

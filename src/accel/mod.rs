@@ -203,11 +203,14 @@ fn usable_prims(prims: &impl PrimSet) -> Vec<(u32, BoxF)> {
     use rayon::prelude::*;
     let boxed = |i: usize| BoxF::around(&prims.bounds(i)).map(|b| (i as u32, b));
     // Indexed chunks keep the order, so the tree does not depend on the threads.
-    if prims.len() < 4096 { (0..prims.len()).filter_map(boxed).collect() } else { (0..prims.len()).into_par_iter().filter_map(boxed).collect() }
+    if prims.len() < 4096 {
+        (0..prims.len()).filter_map(boxed).collect()
+    } else {
+        (0..prims.len()).into_par_iter().filter_map(boxed).collect()
+    }
 }
 
 /// A clock for build statistics.
 fn seconds_since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64()
 }
-

@@ -2,12 +2,12 @@
 
 use super::inside::{containing_interiors, inside_object};
 use super::traverse::{MIN_DEPTH, ShadowHit, intersect, intersect_shadow};
+use crate::accel::AccelKind;
 use crate::compile::{CompileOptions, CompiledScene, compile_scene};
 use crate::diag::Sink;
-use crate::accel::AccelKind;
 use crate::math::{DVec3, Ray, Rgbft, Transform};
-use glam::Vec3Swizzles as _;
 use crate::scene::{Csg, Mesh, Object, Scene, Shape, Texture};
+use glam::Vec3Swizzles as _;
 use std::sync::Arc;
 
 pub(super) fn compiled(objects: Vec<Object>) -> CompiledScene {
@@ -191,7 +191,10 @@ fn trees_find_what_testing_everything_finds() {
     for kind in [AccelKind::Kd, AccelKind::Bvh] {
         let tree = with(kind);
         for (k, d) in scattered(2000).enumerate() {
-            let ray = Ray::new(if k % 3 == 0 { DVec3::ZERO } else { d * 12.0 }, if k % 3 == 0 { d } else { (d.yzx() * 3.0 - d * 12.0).normalize() });
+            let ray = Ray::new(
+                if k % 3 == 0 { DVec3::ZERO } else { d * 12.0 },
+                if k % 3 == 0 { d } else { (d.yzx() * 3.0 - d * 12.0).normalize() },
+            );
             let found = |s: &CompiledScene| intersect(s, &ray, MIN_DEPTH, f64::INFINITY, 0).map(|h| (h.prim_ix, h.t));
             assert_eq!(found(&tree), found(&brute), "{kind:?}, ray {k}");
             let blocked = |s: &CompiledScene| matches!(intersect_shadow(s, &ray, 1e-3, 9.0, u32::MAX), ShadowHit::Opaque { .. });
