@@ -54,7 +54,13 @@ fn csg_extent(op: Csg, children: &[Object], t: &Transform, tables: &mut LeafTabl
         }
         Csg::Difference => children.first().map_or(Bounds::EMPTY, |c| extent(c, t, tables)),
         Csg::Intersection => {
-            let solid = children.iter().filter(|c| !c.flags.inverse && !matches!(c.shape, Shape::HeightField { .. }));
+            let counts = |c: &&Object| match c.shape {
+                Shape::HeightField { .. } | Shape::Light(_) => false,
+                // An inverted plane is the plane the other way round.
+                Shape::Plane { .. } => true,
+                _ => !c.flags.inverse,
+            };
+            let solid = children.iter().filter(counts);
             solid.map(|c| cut_extent(c, t, tables)).fold(Bounds::UNBOUNDED, Bounds::intersection)
         }
     }
@@ -65,7 +71,7 @@ fn cut_extent(object: &Object, outer: &Transform, tables: &mut LeafTables) -> Bo
     match &object.shape {
         Shape::Plane { normal, distance } => {
             let t = object.transform.then(outer);
-            let n = t.normal(*normal).normalize_or_zero();
+            let n = t.normal(*normal).normalize_or_zero() * if object.flags.inverse { -1.0 } else { 1.0 };
             let d = n.dot(t.point(*normal * *distance));
             let mut b = Bounds::UNBOUNDED;
             for k in 0..3 {

@@ -189,7 +189,10 @@ pub(super) fn add_leaf(
             finite(PrimKind::Torus, push(&mut shapes.tori, shape), *to_world, bounds)
         }
         Shape::Triangle { vertices, normals } => {
-            let world = vertices.map(|v| to_world.point(v));
+            let mut world = vertices.map(|v| to_world.point(v));
+            if normals.is_none() && !to_world.is_identity() {
+                world = TriangleShape::reordered(world);
+            }
             let shape = TriangleShape::new(world, normals.map(|ns| ns.map(|n| to_world.normal(n).normalize()))).ok_or(NoLeaf::Nothing)?;
             let bounds = padded(Bounds::from_points(world));
             let shape_ix = push(&mut shapes.triangles, shape);
@@ -204,11 +207,13 @@ pub(super) fn add_leaf(
             Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: Bounds::EMPTY, solid: false })
         }
         Shape::BicubicPatch { points, uvs, flatness, u_steps, v_steps, .. } => {
-            let mesh = patch_mesh(points, uvs, *flatness, *u_steps, *v_steps);
+            // Flatness is measured in the world.
+            let points = points.map(|row| row.map(|p| to_world.point(p)));
+            let mesh = patch_mesh(&points, uvs, *flatness, *u_steps, *v_steps);
             let shape = MeshShape::new(Arc::new(mesh), Vec::new(), accel).ok_or(NoLeaf::Nothing)?;
-            let bounds = padded(shape.world_bounds(to_world));
+            let bounds = padded(shape.bounds);
             let shape_ix = push(&mut shapes.meshes, shape);
-            let (kind, transform) = (PrimKind::BicubicPatch, *to_world);
+            let (kind, transform) = (PrimKind::BicubicPatch, Transform::IDENTITY);
             Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: Bounds::EMPTY, solid: false })
         }
         Shape::Quadric { coefficients } => {
@@ -254,8 +259,10 @@ pub(super) fn add_leaf(
             let shape = HeightFieldShape::new(heights.clone(), *water_level, *smooth).ok_or(NoLeaf::Nothing)?;
             let transform = shape.frame().then(to_world);
             let surface_bounds = padded(shape.bounds().transformed(&transform));
-            let below = Bounds { min: DVec3::new(0.0, -1e9, 0.0), ..shape.bounds() };
-            let inside_bounds = padded(below.transformed(&transform));
+            // Inside goes down without limit.
+            let down = -transform.vector(DVec3::Y).normalize_or_zero() * BOUND_HUGE;
+            let below = Bounds { min: surface_bounds.min + down, max: surface_bounds.max + down };
+            let inside_bounds = surface_bounds.union(below);
             let shape_ix = push(&mut shapes.height_fields, shape);
             Ok(Leaf { kind: PrimKind::HeightField, shape_ix, transform, surface_bounds, inside_bounds, solid: true })
         }

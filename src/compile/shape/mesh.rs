@@ -161,7 +161,7 @@ fn split_rows(net: &Net) -> (Net, Net) {
 
 /// All control points within `flatness` of the plane of three corners; a degenerate plane is not flat.
 fn is_flat(net: &Net, flatness: f64) -> bool {
-    let Some(n) = (net[0][3] - net[0][0]).cross(net[3][3] - net[0][0]).try_normalize() else { return false };
+    let Some(n) = (net[0][3] - net[0][0]).cross(net[3][0] - net[0][0]).try_normalize() else { return false };
     net.iter().flatten().all(|p| n.dot(*p - net[0][0]).abs() < flatness)
 }
 

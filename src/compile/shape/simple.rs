@@ -105,22 +105,36 @@ impl TriangleShape {
                 return None;
             }
         }
-        let a = normal.abs();
-        let axis = if a.x > a.y && a.x > a.z {
-            0
-        } else if a.y > a.z {
-            1
-        } else {
-            2
-        };
+        let axis = longest(normal);
         Some(Self {
             vertices,
             normal,
             distance: normal.dot(p1),
-            axis,
+            axis: axis as u8,
             normals: normals.map_or([normal; 3], |ns| ns.map(DVec3::normalize)),
             smooth: normals.is_some(),
         })
+    }
+}
+
+impl TriangleShape {
+    /// The order that POV-Ray brings corners into when a flat triangle is made. The normal is then still that of the order given, but every
+    /// transform makes it anew: a triangle that was moved faces -x, +y or -z, whichever it is closest to. Measured.
+    pub fn reordered(v: [DVec3; 3]) -> [DVec3; 3] {
+        let n = (v[0] - v[1]).cross(v[2] - v[1]);
+        let axis = longest(n);
+        if (n[axis] > 0.0) == (axis == 1) { v } else { [v[1], v[0], v[2]] }
+    }
+}
+
+fn longest(v: DVec3) -> usize {
+    let a = v.abs();
+    if a.x > a.y && a.x > a.z {
+        0
+    } else if a.y > a.z {
+        1
+    } else {
+        2
     }
 }
 

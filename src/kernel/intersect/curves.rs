@@ -330,14 +330,14 @@ pub fn inside_glyph(s: &GlyphShape, p: DVec3) -> bool {
     p.z >= 0.0 && p.z <= s.depth && inside_loops(&s.segments, DVec2::new(p.x, p.y))
 }
 
-/// Outward for outlines that run clockwise.
+/// Walls point to the right of the outline's direction: into the letter for outlines that run clockwise (POV-Ray's sign).
 pub fn glyph_normal(s: &GlyphShape, part: &Part) -> DVec3 {
     match part.face {
         BASE => -DVec3::Z,
         CAP => DVec3::Z,
         k => {
             let m = CurveSegment::slope(&s.segments[k as usize], part.a);
-            DVec3::new(-m.y, m.x, 0.0)
+            DVec3::new(m.y, -m.x, 0.0)
         }
     }
 }
