@@ -12,6 +12,7 @@ pub mod shape;
 mod tables;
 pub mod texture;
 mod texture_stub;
+mod validate;
 
 use crate::accel::AccelKind;
 use crate::diag::Sink;
@@ -237,6 +238,7 @@ fn finish(mut flattener: Flattener, scene: &Scene, options: &CompileOptions) -> 
         features: FeatureSet::default(),
         options: options.clone(),
     };
+    debug_assert_eq!(compiled.geometry.validate(compiled.interiors.len()), Ok(()));
     compiled.features = features::find(&compiled);
     compiled
 }
