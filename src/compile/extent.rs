@@ -3,7 +3,7 @@
 
 use super::leaf::{LeafTables, add_glyph, add_leaf, disc_bounds, uniform_scale};
 use super::tables::TransformTable;
-use super::texture_stub::TextureBuilder;
+use super::texture::TextureBuilder;
 use crate::accel::AccelKind;
 use crate::math::{Bounds, DVec3, EPSILON, Transform};
 use crate::scene::{Csg, Object, Shape};

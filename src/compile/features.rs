@@ -1,6 +1,7 @@
 //! What a compiled scene needs, read off its tables.
 
 use super::geometry::{PrimKind, prim_flags};
+use super::texture::texture_features;
 use super::{CompiledScene, FeatureSet};
 
 /// The features of a scene; texture features are read off the texture tables.
@@ -30,6 +31,7 @@ pub(super) fn find(scene: &CompiledScene) -> FeatureSet {
         f.crand |= t.crand != 0.0;
         f.subsurface |= t.subsurface.is_some() && scene.settings.subsurface.is_some();
     }
+    texture_features(&scene.textures, &mut f);
     f.principled = !scene.textures.principled.is_empty();
     f
 }

@@ -7,7 +7,7 @@ use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, PrimKind, Sur
 use super::leaf::{Leaf, LeafTables, NoLeaf, add_glyph, add_leaf};
 use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
 use super::tables::{SurfaceTable, TransformTable};
-use super::texture_stub::TextureBuilder;
+use super::texture::TextureBuilder;
 use super::{CompileError, CompiledLight, Interior, LightGroup, Media, NONE};
 use crate::accel::{Accel, AccelKind, AccelOptions, PrimSet};
 use crate::diag::Sink;

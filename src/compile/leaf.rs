@@ -11,7 +11,7 @@ use super::shape::{
     SphereSweepShape, SuperellipsoidShape, TorusShape, TriangleShape,
 };
 use super::tables::TransformTable;
-use super::texture_stub::TextureBuilder;
+use super::texture::TextureBuilder;
 use crate::accel::AccelKind;
 use crate::math::{BOUND_HUGE, Bounds, DMat3, DVec3, EPSILON, Transform};
 use crate::scene::shape::Glyph;
@@ -282,7 +282,7 @@ pub(super) fn add_leaf(
             placed(PrimKind::JuliaFractal, push(&mut shapes.julias, shape), Bounds { min: -r, max: r })
         }
         Shape::Isosurface { function, container, threshold, accuracy, max_gradient, evaluate, open, max_trace } => {
-            let Some(function) = textures.function(function) else { return Err(NoLeaf::Unsupported("isosurface")) };
+            let function = textures.function(function);
             let shape = IsosurfaceShape {
                 function,
                 container: *container,
@@ -296,10 +296,7 @@ pub(super) fn add_leaf(
             placed(PrimKind::Isosurface, push(&mut shapes.isosurfaces, shape), container_bounds(container))
         }
         Shape::Parametric { functions, min, max, container, accuracy, max_gradient, .. } => {
-            let [Some(x), Some(y), Some(z)] = functions.each_ref().map(|f| textures.function(f)) else {
-                return Err(NoLeaf::Unsupported("parametric"));
-            };
-            let (functions, container) = ([x, y, z], *container);
+            let (functions, container) = (functions.each_ref().map(|f| textures.function(f)), *container);
             let shape = ParametricShape { functions, min: *min, max: *max, container, accuracy: *accuracy, max_gradient: *max_gradient };
             let leaf = placed(PrimKind::Parametric, push(&mut shapes.parametrics, shape), container_bounds(&container))?;
             Ok(Leaf { inside_bounds: Bounds::EMPTY, solid: false, ..leaf })

@@ -5,13 +5,14 @@
 pub mod extent;
 mod features;
 mod flatten;
+pub mod function;
 pub mod geometry;
 mod leaf;
 mod programs;
 pub mod shape;
+pub mod spline;
 mod tables;
 pub mod texture;
-mod texture_stub;
 mod validate;
 
 use crate::accel::AccelKind;
@@ -20,7 +21,7 @@ use crate::math::{Rgb, Rgbft, Transform};
 use crate::scene::{Camera, Fog, Light, Rainbow, Scene, Settings};
 use flatten::Flattener;
 use geometry::Geometry;
-use texture::{PigmentIx, TextureTables};
+use texture::{FunctionIx, NormalIx, PigmentIx, TextureBuilder, TextureTables};
 
 /// "No index" in every table.
 pub const NONE: u32 = u32::MAX;
@@ -59,6 +60,8 @@ pub struct CompiledScene {
     pub light_groups: Vec<LightGroup>,
     /// The camera in world space.
     pub camera: Camera,
+    /// Bends the camera's rays, or [`NONE`].
+    pub camera_normal: NormalIx,
     /// Global settings.
     pub settings: Settings,
     /// Background colour.
@@ -195,31 +198,67 @@ pub enum CompileError {
 /// Compiles one object that is asked about before its scene is complete: a scene of that object alone, hidden and without covers,
 /// as object 0.
 pub fn compile_object(object: &crate::scene::Object, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(Default::default(), usize::MAX, AccelKind::Auto, sink);
+    let mut flattener = Flattener::new(TextureBuilder::default(), usize::MAX, AccelKind::Auto, sink);
     flattener.add_hidden(object)?;
-    Ok(finish(flattener, &Scene::default(), &CompileOptions::default()))
+    finish(flattener, &Scene::default(), &CompileOptions::default())
+}
+
+/// Compiles one user function that is called before its scene is complete: a scene of that function alone.
+pub fn compile_function(
+    function: &std::sync::Arc<crate::scene::Function>,
+    settings: &Settings,
+    sink: &mut Sink,
+) -> Result<(CompiledScene, FunctionIx), CompileError> {
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, sink);
+    let ix = flattener.textures.function(function);
+    let scene = Scene { settings: settings.clone(), ..Scene::default() };
+    Ok((finish(flattener, &scene, &CompileOptions::default())?, ix))
+}
+
+/// Compiles one pigment that is asked about before its scene is complete.
+pub fn compile_pigment(
+    pigment: &std::sync::Arc<crate::scene::Pigment>,
+    settings: &Settings,
+    sink: &mut Sink,
+) -> Result<(CompiledScene, PigmentIx), CompileError> {
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, sink);
+    let ix = flattener.textures.pigment(pigment);
+    let scene = Scene { settings: settings.clone(), ..Scene::default() };
+    Ok((finish(flattener, &scene, &CompileOptions::default())?, ix))
 }
 
 /// Compiles a scene. What cannot be rendered yet is left out with a note in `sink`, once a kind.
 pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(Default::default(), scene.objects.len(), options.accel, sink);
+    let mut flattener = Flattener::new(TextureBuilder::new(&scene.settings), scene.objects.len(), options.accel, sink);
     for light in &scene.lights {
         flattener.add_light(light)?;
     }
     for object in &scene.objects {
         flattener.add_visible(object)?;
     }
-    Ok(finish(flattener, scene, options))
+    finish(flattener, scene, options)
 }
 
 /// Everything of a scene besides objects and lights, and the finished tables.
-fn finish(mut flattener: Flattener, scene: &Scene, options: &CompileOptions) -> CompiledScene {
+fn finish(mut flattener: Flattener, scene: &Scene, options: &CompileOptions) -> Result<CompiledScene, CompileError> {
     let atmosphere = scene.atmosphere.iter().map(|m| flattener.medium(m, &Transform::IDENTITY)).collect();
     let sky = scene.sky_sphere.as_ref().map(|sky| CompiledSky {
         pigments: sky.pigments.iter().map(|p| flattener.textures.pigment(p)).collect(),
         emission: sky.emission,
         transform_ix: flattener.transforms.add(&sky.transform),
     });
+    let camera_normal = scene.camera.normal.as_ref().map_or(NONE, |n| flattener.textures.normal(n));
+    // Objects that patterns ask about; their own patterns may bring more.
+    loop {
+        let objects = flattener.textures.take_objects();
+        if objects.is_empty() {
+            break;
+        }
+        for o in objects {
+            let object_ix = flattener.add_hidden(&o)?;
+            flattener.textures.set_pattern_object(object_ix);
+        }
+    }
     let (geometry, rest) = flattener.finish();
     let mut compiled = CompiledScene {
         geometry,
@@ -229,6 +268,7 @@ fn finish(mut flattener: Flattener, scene: &Scene, options: &CompileOptions) -> 
         lights: rest.lights,
         light_groups: rest.light_groups,
         camera: scene.camera.clone(),
+        camera_normal,
         settings: scene.settings.clone(),
         background: scene.background,
         sky,
@@ -240,5 +280,5 @@ fn finish(mut flattener: Flattener, scene: &Scene, options: &CompileOptions) -> 
     };
     debug_assert_eq!(compiled.geometry.validate(compiled.interiors.len()), Ok(()));
     compiled.features = features::find(&compiled);
-    compiled
+    Ok(compiled)
 }

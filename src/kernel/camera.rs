@@ -60,7 +60,7 @@ impl CameraModel {
             resolution: DVec2::new(f64::from(width), f64::from(height)),
             lens: c.blur.as_ref().filter(|b| b.aperture != 0.0 && b.max_samples > 0).map(|b| Lens::new(b, c.direction, c.up)),
             mesh,
-            normal_ix: None,
+            normal_ix: (scene.camera_normal != crate::compile::NONE).then_some(scene.camera_normal),
         }
     }
 

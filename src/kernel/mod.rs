@@ -5,18 +5,26 @@ pub mod atmosphere;
 pub mod camera;
 pub mod cover;
 pub mod finish;
+pub mod function;
 #[cfg(test)]
 mod geometry_tests;
+pub mod image;
 pub mod inside;
 pub mod intersect;
 pub mod lens;
 pub mod light;
 pub mod media;
 pub mod mesh_camera;
+pub mod normal;
+pub mod pattern;
+pub mod pigment;
 pub mod query;
 #[cfg(test)]
 mod reference_tests;
+pub mod spline;
+pub mod texture;
 pub mod traverse;
+pub mod warp;
 
 use crate::math::{DVec2, DVec3};
 

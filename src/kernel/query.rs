@@ -1,13 +1,16 @@
 //! Answers for front ends about objects and functions that are not part of a scene yet: `trace`, `inside`, extents, values.
 
+use super::function::{call_function_all, free_point};
 use super::inside::inside_object;
+use super::pigment::eval_pigment;
+use super::spline::eval_spline;
 use super::traverse::{MIN_DEPTH, intersect_object};
 use crate::compile::extent::pov_extent;
-use crate::compile::{CompiledScene, compile_object};
+use crate::compile::{CompiledScene, compile_function, compile_object, compile_pigment};
 use crate::diag::Sink;
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Ray, Rgbft};
 use crate::scene::spline::SplineKind;
-use crate::scene::{Function, Object, Pigment, SceneQuery, Shape, Spline};
+use crate::scene::{Function, Object, Pigment, SceneQuery, Settings, Shape, Spline};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -17,8 +20,39 @@ const KEPT: usize = 256;
 /// The kernel as [`SceneQuery`]; keeps what it compiles, so that asking again is cheap.
 #[derive(Debug, Default)]
 pub struct KernelQuery {
-    /// By address; the `Arc` keeps the address taken.
-    objects: Mutex<HashMap<*const Object, (Arc<Object>, Option<Arc<CompiledScene>>)>>,
+    objects: Kept<Object, CompiledScene>,
+    functions: Kept<Function, (CompiledScene, u32)>,
+    pigments: Kept<Pigment, (CompiledScene, u32)>,
+}
+
+/// What was compiled of a part; the part's `Arc` keeps its address taken.
+type Known<K, C> = (Arc<K>, Option<Arc<C>>);
+
+/// Compiled parts of one kind, by address.
+#[derive(Debug)]
+struct Kept<K, C>(Mutex<HashMap<usize, Known<K, C>>>);
+
+impl<K, C> Default for Kept<K, C> {
+    fn default() -> Self {
+        Self(Mutex::new(HashMap::new()))
+    }
+}
+
+impl<K, C> Kept<K, C> {
+    /// What was compiled of `part`, now or before. What cannot be compiled is said when the scene is; here it is not there.
+    fn get(&self, part: &Arc<K>, compile: impl FnOnce() -> Option<Arc<C>>) -> Option<Arc<C>> {
+        let address = Arc::as_ptr(part) as usize;
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, c)) = kept.get(&address) {
+            return c.clone();
+        }
+        let c = compile();
+        if kept.len() >= KEPT {
+            kept.clear();
+        }
+        kept.insert(address, (part.clone(), c.clone()));
+        c
+    }
 }
 
 impl KernelQuery {
@@ -28,17 +62,7 @@ impl KernelQuery {
     }
 
     fn compiled(&self, object: &Arc<Object>) -> Option<Arc<CompiledScene>> {
-        let mut kept = self.objects.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, g)) = kept.get(&Arc::as_ptr(object)) {
-            return g.clone();
-        }
-        // What cannot be compiled is said when the scene is; here it is not there.
-        let g = compile_object(object, &mut Sink::default()).ok().map(Arc::new);
-        if kept.len() >= KEPT {
-            kept.clear();
-        }
-        kept.insert(Arc::as_ptr(object), (object.clone(), g.clone()));
-        g
+        self.objects.get(object, || compile_object(object, &mut Sink::default()).ok().map(Arc::new))
     }
 }
 
@@ -61,15 +85,21 @@ impl SceneQuery for KernelQuery {
         pov_extent(object)
     }
 
-    fn call(&self, _function: &Arc<Function>, _args: &[f64]) -> ([f64; 5], usize) {
-        ([0.0; 5], 1)
+    fn call(&self, function: &Arc<Function>, args: &[f64]) -> ([f64; 5], usize) {
+        let compile = || compile_function(function, &Settings::default(), &mut Sink::default()).ok().map(Arc::new);
+        match self.functions.get(function, compile) {
+            Some(f) => call_function_all(&f.0, f.1, args),
+            None => ([0.0; 5], 1),
+        }
     }
 
-    fn pigment(&self, _pigment: &Arc<Pigment>, _point: DVec3) -> Rgbft {
-        Rgbft::BLACK
+    fn pigment(&self, pigment: &Arc<Pigment>, point: DVec3) -> Rgbft {
+        let compile = || compile_pigment(pigment, &Settings::default(), &mut Sink::default()).ok().map(Arc::new);
+        let found = self.pigments.get(pigment, compile).and_then(|p| eval_pigment(&p.0, p.1, &free_point(point)));
+        found.unwrap_or(Rgbft::BLACK)
     }
 
-    fn spline(&self, _spline: &Spline, _t: f64, _kind: Option<SplineKind>) -> [f64; 5] {
-        [0.0; 5]
+    fn spline(&self, spline: &Spline, t: f64, kind: Option<SplineKind>) -> [f64; 5] {
+        eval_spline(spline, t, kind)
     }
 }

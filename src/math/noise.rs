@@ -2,13 +2,13 @@
 //!
 //! Source: FACTS.md section 2 and spec/textures.md section 0; the 267 lattice numbers were measured (`NOISE_TABLE`).
 
-use super::random::{hash_table, lcg_step};
+use super::random::{HASH, HASH_LEN, lcg_step};
 use super::{DVec3, EPSILON};
 use std::sync::LazyLock;
 
 /// Numbers at the lattice points, recovered by measurement of the installed program's `f_noise_generator` and `vturbulence`.
 #[rustfmt::skip]
-pub const NOISE_TABLE: [f64; 267] = [
+pub static NOISE_TABLE: [f64; 267] = [
     -1.0, 0.604974, -0.937102, 0.414115, 0.576226, -0.0161593, 0.432334, 0.103685, 0.590539, 0.0286412, 0.46981, -0.84622,
     -0.0734112, -0.304097, -0.40206, -0.210132, -0.919127, 0.652033, -0.83151, -0.183948, -0.671107, 0.852476, 0.043595, -0.404532,
     0.75494, -0.335653, 0.618433, 0.605707, 0.708583, -0.477195, 0.899474, 0.490623, 0.221729, -0.400381, -0.853727, -0.932586,
@@ -35,11 +35,13 @@ pub const NOISE_TABLE: [f64; 267] = [
 ];
 
 /// The lattice cell of a point on one axis, and the place inside it.
+#[inline(always)]
 fn cell(x: f64) -> (i32, f64) {
-    let i = if x >= 0.0 { x as i32 } else { (x - (1.0 - EPSILON)) as i32 };
+    let i = (if x >= 0.0 { x } else { x - (1.0 - EPSILON) }) as i32;
     (i, x - f64::from(i))
 }
 
+#[inline(always)]
 fn s_curve(t: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
@@ -51,13 +53,13 @@ struct Corners {
     d: DVec3,
 }
 
+#[inline(always)]
 fn corners(p: DVec3) -> Corners {
-    let h = hash_table();
     let ((ix, dx), (iy, dy), (iz, dz)) = (cell(p.x), cell(p.y), cell(p.z));
     let wrap = |i: i32| (i.wrapping_add(10_000) & 0xFFF) as usize;
     let (ix, iy, iz) = (wrap(ix), wrap(iy), wrap(iz));
     // Two neighbours an axis; the table is doubled, so +1 needs no wrap.
-    let at = |i: usize| usize::from(h[i & 0x1FFF]);
+    let at = |i: usize| usize::from(HASH[i & (HASH_LEN - 1)]);
     let (x0, x1) = (at(ix), at(ix + 1));
     let (y00, y10, y01, y11) = (at(x0 ^ iy), at(x1 ^ iy), at(x0 ^ (iy + 1)), at(x1 ^ (iy + 1)));
     let key = [
@@ -72,18 +74,21 @@ fn corners(p: DVec3) -> Corners {
     ];
     let (sx, sy, sz) = (s_curve(dx), s_curve(dy), s_curve(dz));
     let (tx, ty, tz) = (1.0 - sx, 1.0 - sy, 1.0 - sz);
-    let weight = [tx * ty * tz, sx * ty * tz, tx * sy * tz, sx * sy * tz, tx * ty * sz, sx * ty * sz, tx * sy * sz, sx * sy * sz];
+    let (a, b, c, d) = (tx * ty, sx * ty, tx * sy, sx * sy);
+    let weight = [a * tz, b * tz, c * tz, d * tz, a * sz, b * sz, c * sz, d * sz];
     Corners { key, weight, d: DVec3::new(dx, dy, dz) }
 }
 
-fn lattice_sum(c: &Corners, offset: usize) -> f64 {
+/// `OFFSET` is a constant so that every index is seen to be inside the table.
+#[inline(always)]
+fn lattice_sum<const OFFSET: usize>(c: &Corners) -> f64 {
     let mut sum = 0.0;
     for i in 0..8 {
-        let t = &NOISE_TABLE[c.key[i] + offset..][..4];
+        let k = (c.key[i] & 255) + OFFSET;
         let x = c.d.x - (i & 1) as f64;
         let y = c.d.y - ((i >> 1) & 1) as f64;
         let z = c.d.z - (i >> 2) as f64;
-        sum += c.weight[i] * (0.5 * t[0] + t[1] * x + t[2] * y + t[3] * z);
+        sum += c.weight[i] * (0.5 * NOISE_TABLE[k] + NOISE_TABLE[k + 1] * x + NOISE_TABLE[k + 2] * y + NOISE_TABLE[k + 3] * z);
     }
     sum
 }
@@ -91,8 +96,8 @@ fn lattice_sum(c: &Corners, offset: usize) -> f64 {
 /// Noise in 0..=1 by generator 1 (original), 2 (range corrected) or 3 (Perlin).
 pub fn noise(p: DVec3, generator: u8) -> f64 {
     match generator {
-        0 | 1 => (lattice_sum(&corners(p), 0) + 0.5).clamp(0.0, 1.0),
-        2 => ((lattice_sum(&corners(p), 0) + 1.052_42) * 0.489_855_82).clamp(0.0, 1.0),
+        0 | 1 => (lattice_sum::<0>(&corners(p)) + 0.5).clamp(0.0, 1.0),
+        2 => ((lattice_sum::<0>(&corners(p)) + 1.052_42) * 0.489_855_82).clamp(0.0, 1.0),
         _ => perlin(p),
     }
 }
@@ -100,7 +105,7 @@ pub fn noise(p: DVec3, generator: u8) -> f64 {
 /// Vector noise; the same for every generator, neither clamped nor biased.
 pub fn noise_vector(p: DVec3) -> DVec3 {
     let c = corners(p);
-    DVec3::new(lattice_sum(&c, 0), lattice_sum(&c, 4), lattice_sum(&c, 8))
+    DVec3::new(lattice_sum::<0>(&c), lattice_sum::<4>(&c), lattice_sum::<8>(&c))
 }
 
 /// Scalar turbulence. `omega` and `lambda` are 32-bit, as POV-Ray keeps them.

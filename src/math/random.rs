@@ -73,7 +73,7 @@ impl UniformStream {
 
 /// POV-Ray's linear congruential step, used by `rand()` of the language, grain and the noise tables.
 #[inline]
-pub fn lcg_step(state: u32) -> u32 {
+pub const fn lcg_step(state: u32) -> u32 {
     state.wrapping_mul(1_812_433_253).wrapping_add(12_345)
 }
 
@@ -92,21 +92,45 @@ impl GrainStream {
     }
 }
 
-static HASH: LazyLock<Box<[u16]>> = LazyLock::new(|| {
-    let mut h: Vec<u16> = (0..4096).collect();
-    let mut r = 0u32;
-    for i in (0..4096).rev() {
-        r = lcg_step(r);
-        let j = ((r >> 16) & 0x7fff) as usize % 4096;
-        h.swap(i, j);
-    }
-    h.extend_from_within(..);
-    h.into_boxed_slice()
-});
+/// Entries of [`HASH`].
+pub const HASH_LEN: usize = 8192;
 
-/// The permutation of 0..4096 behind POV-Ray's noise, written twice in a row (8192 entries).
+const fn make_hash() -> [u16; HASH_LEN] {
+    let mut h = [0u16; HASH_LEN];
+    let mut i = 0;
+    while i < HASH_LEN / 2 {
+        h[i] = i as u16;
+        i += 1;
+    }
+    let mut r = 0u32;
+    while i > 0 {
+        i -= 1;
+        r = lcg_step(r);
+        let j = ((r >> 16) & 0x7fff) as usize % (HASH_LEN / 2);
+        let t = h[i];
+        h[i] = h[j];
+        h[j] = t;
+    }
+    while i < HASH_LEN / 2 {
+        h[i + HASH_LEN / 2] = h[i];
+        i += 1;
+    }
+    h
+}
+
+/// The permutation of 0..4096 behind POV-Ray's noise, written twice in a row.
+pub static HASH: [u16; HASH_LEN] = make_hash();
+
+/// [`HASH`] as a slice.
 pub fn hash_table() -> &'static [u16] {
     &HASH
+}
+
+/// The hash of three integers that cells, crackle and facets share: 0..4096.
+#[inline]
+pub fn hash3(i: i64, j: i64, k: i64) -> usize {
+    let h = |n: usize| usize::from(HASH[n & (HASH_LEN - 1)]);
+    h(h(h((i & 4095) as usize) ^ (j & 4095) as usize) ^ (k & 4095) as usize)
 }
 
 /// Element `i` (from 0) of the Halton sequence of a prime base: the radical inverse of `i + 1`.

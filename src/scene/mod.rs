@@ -26,7 +26,7 @@ pub use image::{Image, ImageMap};
 pub use interior::{Fog, Interior, Media, Rainbow, SkySphere};
 pub use light::Light;
 pub use object::{Object, ObjectFlags};
-pub use pattern::{Pattern, PatternKind, Warp};
+pub use pattern::{DensityGrid, Pattern, PatternKind, Warp};
 pub use query::SceneQuery;
 pub use settings::Settings;
 pub use shape::{Csg, Mesh, Shape};

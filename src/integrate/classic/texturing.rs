@@ -5,7 +5,11 @@ use crate::compile::CompiledScene;
 use crate::compile::geometry::{Prim, prim_flags};
 use crate::compile::texture::TextureNode;
 use crate::kernel::cover::for_covers;
+use crate::kernel::normal::{normal_into_pattern, normal_out_of_pattern, perturb_normal};
+use crate::kernel::pigment::{color_at, eval_pigment, eval_quick_pigment};
+use crate::kernel::texture::{choosing_pattern, for_texture_parts};
 use crate::kernel::{PatternPoint, SurfaceHit};
+use crate::math::noise::turbulence;
 use crate::math::{DVec3, Rgbft};
 use crate::scene::{BlendMap, Finish, Fog};
 
@@ -77,62 +81,62 @@ pub(super) struct Parts {
 /// The parts of a patterned texture at a point.
 pub(super) fn blend(scene: &CompiledScene, node: &TextureNode, p: &PatternPoint) -> Parts {
     let mut entries = InlineVec::default();
-    let (pattern, start) = match *node {
-        TextureNode::Map { pattern, start, .. }
-        | TextureNode::Average { pattern, start, .. }
-        | TextureNode::MaterialMap { pattern, start, .. } => (pattern, start),
-        _ => unreachable!("plain textures are shaded, not blended"),
-    };
-    entries.push((scene.textures.texture_entries[start as usize].1, 1.0));
-    Parts { entries, point: *p, step: SpaceStep::Pattern(pattern) }
+    let point = for_texture_parts(scene, node, p, |texture, share| entries.push((texture, share)));
+    let pattern = choosing_pattern(node).expect("plain textures are shaded, not blended");
+    Parts { entries, point, step: SpaceStep::Pattern(pattern) }
 }
 
-/// A layer's normal (world space).
+/// A layer's normal (world space), taken through the spaces around the layer and back.
 pub(super) fn perturb(scene: &CompiledScene, normal_ix: u32, normal: DVec3, p: &PatternPoint, space: &Space) -> DVec3 {
-    let _ = (scene, normal_ix, p, space.parent.is_some());
-    normal
+    let inner = perturb_normal(scene, normal_ix, into_space(scene, space, normal), p);
+    let outer = out_of_space(scene, space, inner);
+    outer.try_normalize().unwrap_or(normal)
+}
+
+fn into_space(scene: &CompiledScene, space: &Space, n: DVec3) -> DVec3 {
+    let n = space.parent.map_or(n, |s| into_space(scene, s, n));
+    match space.step {
+        SpaceStep::Transform(0) => n,
+        SpaceStep::Transform(ix) => scene.geometry.transforms[ix as usize].inverse_normal(n).normalize_or_zero(),
+        SpaceStep::Pattern(ix) => normal_into_pattern(scene, ix, n).normalize_or_zero(),
+    }
+}
+
+fn out_of_space(scene: &CompiledScene, space: &Space, n: DVec3) -> DVec3 {
+    let n = match space.step {
+        SpaceStep::Transform(0) => n,
+        SpaceStep::Transform(ix) => scene.geometry.transforms[ix as usize].normal(n).normalize_or_zero(),
+        SpaceStep::Pattern(ix) => normal_out_of_pattern(scene, ix, n).normalize_or_zero(),
+    };
+    space.parent.map_or(n, |s| out_of_space(scene, s, n))
 }
 
 /// A normal applied to a direction, patterns in world space.
 pub(super) fn perturb_in_world(scene: &CompiledScene, normal_ix: u32, dir: DVec3, p: &PatternPoint) -> DVec3 {
-    let _ = (scene, normal_ix, p);
-    dir
+    perturb_normal(scene, normal_ix, dir, p)
 }
 
 /// Colour of a layer's pigment; `None` outside a picture that is shown once.
 pub(super) fn layer_color(scene: &CompiledScene, pigment: u32, p: &PatternPoint, quick: bool) -> Option<Rgbft> {
-    let _ = quick;
-    self::pigment(scene, pigment, p)
+    if quick { eval_quick_pigment(scene, pigment, p) } else { eval_pigment(scene, pigment, p) }
 }
 
 /// Colour of a pigment.
 pub(super) fn pigment(scene: &CompiledScene, pigment: u32, p: &PatternPoint) -> Option<Rgbft> {
-    let _ = (scene, pigment, p);
-    Some(Rgbft::rgb(1.0, 1.0, 1.0))
+    eval_pigment(scene, pigment, p)
 }
 
 /// Colour of a map at a value.
 pub(super) fn color_map(map: &BlendMap<Rgbft>, value: f64) -> Rgbft {
-    let value = value as f32;
-    let entries = &map.entries;
-    match entries.iter().position(|(pos, _)| value <= *pos) {
-        None => entries.last().map_or(Rgbft::BLACK, |e| e.1),
-        Some(0) => entries[0].1,
-        Some(k) => {
-            let (a, b) = (&entries[k - 1], &entries[k]);
-            Rgbft::lerp(a.1, b.1, (value - a.0) / (b.0 - a.0))
-        }
-    }
+    color_at(&map.entries, value)
 }
 
 /// Turbulence of a fog at a point.
 pub(super) fn fog_turbulence(scene: &CompiledScene, fog: &Fog, p: DVec3) -> f64 {
-    let _ = (scene, fog, p);
-    0.0
+    fog.turbulence.as_ref().map_or(0.0, |(t, _)| turbulence(p, t.octaves, t.omega, t.lambda, scene.settings.noise_generator))
 }
 
 /// Turbulence of a thin film at a point.
-pub(super) fn irid_noise(scene: &CompiledScene, finish: &Finish, p: DVec3) -> f64 {
-    let _ = (scene, finish, p);
-    0.5
+pub(super) fn irid_noise(scene: &CompiledScene, _finish: &Finish, p: DVec3) -> f64 {
+    turbulence(p, 5, 0.5, 2.0, scene.settings.noise_generator)
 }

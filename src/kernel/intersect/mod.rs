@@ -15,6 +15,7 @@ pub mod sweep;
 pub mod torus;
 pub mod triangle;
 
+use super::function::call_function;
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{Geometry, Prim, PrimKind, prim_flags};
 use crate::math::{Bounds, DVec2, DVec3, EPSILON, Transform};
@@ -70,10 +71,6 @@ fn field(scene: &CompiledScene, function: u32) -> impl Fn(DVec3) -> f64 {
 /// Three functions of (u, v).
 fn chart(scene: &CompiledScene, functions: [u32; 3]) -> impl Fn(DVec2) -> DVec3 {
     move |uv| DVec3::from_array(functions.map(|f| call_function(scene, f, &uv.to_array())))
-}
-
-fn call_function(_scene: &CompiledScene, _function: u32, _args: &[f64]) -> f64 {
-    f64::NAN
 }
 
 /// Pushes all hits of the shape of `prim` that it reports.

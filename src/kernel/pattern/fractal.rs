@@ -1,0 +1,104 @@
+//! Mandelbrot, Julia and magnet sets in the x, y plane. Source: spec/textures.md, section 2 (measured).
+
+use crate::math::DVec3;
+use crate::scene::pattern::FractalPattern;
+
+/// A complex number.
+#[derive(Clone, Copy)]
+struct C(f64, f64);
+
+impl C {
+    fn add(self, o: C) -> C {
+        C(self.0 + o.0, self.1 + o.1)
+    }
+    fn mul(self, o: C) -> C {
+        C(self.0 * o.0 - self.1 * o.1, self.0 * o.1 + self.1 * o.0)
+    }
+    fn scale(self, k: f64) -> C {
+        C(self.0 * k, self.1 * k)
+    }
+    fn plus(self, k: f64) -> C {
+        C(self.0 + k, self.1)
+    }
+    fn square(self) -> C {
+        C(self.0 * self.0 - self.1 * self.1, 2.0 * self.0 * self.1)
+    }
+    fn div(self, o: C) -> C {
+        let n = o.norm();
+        C((self.0 * o.0 + self.1 * o.1) / n, (self.1 * o.0 - self.0 * o.1) / n)
+    }
+    fn norm(self) -> f64 {
+        self.0 * self.0 + self.1 * self.1
+    }
+    fn pow(self, e: u32) -> C {
+        match e {
+            2 => self.square(),
+            _ => (1..e).fold(self, |z, _| z.mul(self)),
+        }
+    }
+}
+
+/// The value of a fractal pattern.
+pub fn fractal(f: &FractalPattern, p: DVec3) -> f64 {
+    let at = C(p.x, p.y);
+    let (mut z, c, mut least) = match (f.magnet, f.julia) {
+        (0, None) => (at, at, at.norm()),
+        (0, Some((a, b))) => (at, C(a, b), at.norm()),
+        (_, None) => (C(0.0, 0.0), at, 10_000.0),
+        (_, Some((a, b))) => (at, C(a, b), at.norm()),
+    };
+    // What does not change from step to step.
+    let (c1, c2) = (c.plus(-1.0), c.plus(-2.0));
+    let c12 = c1.mul(c2);
+    for i in 0..f.iterations {
+        z = match f.magnet {
+            0 => z.pow(f.exponent).add(c),
+            1 => z.square().add(c1).div(z.scale(2.0).add(c2)).square(),
+            _ => {
+                let z2 = z.square();
+                let above = z2.mul(z).add(c1.mul(z).scale(3.0)).add(c12);
+                let below = z2.scale(3.0).add(c2.mul(z).scale(3.0)).add(c12).plus(1.0);
+                above.div(below).square()
+            }
+        };
+        let n = z.norm();
+        if n < least {
+            least = n;
+        }
+        let escaped = if f.magnet == 0 { n > 4.0 } else { n > 10_000.0 || z.plus(-1.0).norm() < 1e-4 };
+        if escaped {
+            return exterior(f, z, i);
+        }
+    }
+    interior(f, z, least)
+}
+
+fn exterior(f: &FractalPattern, z: C, i: u32) -> f64 {
+    let (kind, factor) = f.exterior;
+    let modulo = |m: f64| if m as i64 == 0 { 0.0 } else { (i64::from(i) % (m as i64)) as f64 / factor };
+    match kind {
+        0 => factor,
+        1 => f64::from(i) / f64::from(f.iterations),
+        2 => z.0 * factor,
+        3 => z.1 * factor,
+        4 => z.0 * z.0 * factor,
+        5 => z.1 * z.1 * factor,
+        6 => z.norm().sqrt() * factor,
+        7 => modulo(factor),
+        _ => modulo(1.0 + factor),
+    }
+}
+
+fn interior(f: &FractalPattern, z: C, least: f64) -> f64 {
+    let (kind, factor) = f.interior;
+    match kind {
+        0 => factor,
+        1 => least.sqrt() * factor,
+        2 => z.0 * factor,
+        3 => z.1 * factor,
+        4 => z.0 * z.0 * factor,
+        5 => z.1 * z.1 * factor,
+        // Only the imaginary part is multiplied (measured).
+        _ => z.0 * z.0 + factor * z.1 * z.1,
+    }
+}
