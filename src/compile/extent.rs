@@ -1,7 +1,7 @@
 //! The boxes that `min_extent` and `max_extent` print: POV-Ray's own, looser than the boxes that rays are tested with.
 //! Source: spec/objects.md, sections 13 and 15.
 
-use super::leaf::{LeafTables, add_glyph, add_leaf, disc_bounds, uniform_scale};
+use super::leaf::{LeafTables, add_glyph, add_leaf, disc_bounds, pad_of, uniform_scale};
 use super::tables::TransformTable;
 use super::texture::TextureBuilder;
 use crate::accel::AccelKind;
@@ -122,7 +122,6 @@ fn unpadded(b: Bounds) -> Bounds {
     if b.is_empty() || b.is_unbounded() {
         return b;
     }
-    let reach = b.min.abs().max(b.max.abs()).max_element();
-    let pad = DVec3::splat(1e-7 * (1.0 + reach) / (1.0 + 1e-7));
+    let pad = pad_of(&b) / (1.0 + 1e-7);
     Bounds { min: b.min + pad, max: b.max - pad }
 }

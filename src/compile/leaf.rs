@@ -219,7 +219,7 @@ pub(super) fn add_leaf(
         Shape::Quadric { coefficients } => {
             let shape = QuadricShape { c: *coefficients };
             let bounds = shape.bounds();
-            let bounds = if to_world.is_identity() { padded_axes(bounds) } else { padded(bounds.transformed(to_world)) };
+            let bounds = padded(bounds.transformed(to_world));
             let shape_ix = push(&mut shapes.quadrics, shape);
             let (kind, transform) = (PrimKind::Quadric, *to_world);
             Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: bounds, solid: true })
@@ -307,22 +307,20 @@ pub(super) fn add_leaf(
     }
 }
 
-/// A box grown by what roundings of its making may have lost; unbounded and empty boxes stay.
+/// A box grown by what roundings of its making may have lost, axis by axis; empty boxes stay.
 pub(super) fn padded(b: Bounds) -> Bounds {
-    if b.is_empty() || b.is_unbounded() {
-        return b;
-    }
-    let pad = 1e-7 * (1.0 + b.min.abs().max(b.max.abs()).max_element());
-    Bounds { min: b.min - DVec3::splat(pad), max: b.max + DVec3::splat(pad) }
-}
-
-/// As [`padded`], for boxes that are unbounded along some axes only.
-fn padded_axes(b: Bounds) -> Bounds {
     if b.is_empty() {
         return b;
     }
-    let pad = (b.min.abs().max(b.max.abs()) + DVec3::ONE) * 1e-7;
+    let pad = pad_of(&b);
     Bounds { min: b.min - pad, max: b.max + pad }.intersection(Bounds::UNBOUNDED)
+}
+
+pub(super) fn pad_of(b: &Bounds) -> DVec3 {
+    let reach = b.min.abs().max(b.max.abs());
+    // Axes without end say nothing about the roundings along the others.
+    let finite = (0..3).map(|k| reach[k]).filter(|r| *r < 1e9).fold(0.0, f64::max);
+    (reach.max(DVec3::splat(finite)) + DVec3::ONE) * 1e-7
 }
 
 /// World box of a cylinder about y.

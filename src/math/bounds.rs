@@ -82,11 +82,50 @@ impl Bounds {
         })
     }
 
-    /// The box of the transformed corners, as POV-Ray bounds transformed objects. Unbounded and empty boxes stay so.
+    /// The box of the transformed corners, as POV-Ray bounds transformed objects. Empty boxes stay so; a box without end along some
+    /// axes (at ±1e10) has none along the axes that those are turned to.
     pub fn transformed(&self, t: &Transform) -> Self {
-        if self.is_empty() || self.is_unbounded() {
+        if self.is_empty() {
             return *self;
         }
-        Self::from_points(self.corners().map(|c| t.point(c)))
+        let (m, end) = (t.forward.matrix3, 0.9 * Self::UNBOUNDED.max.x);
+        let mut out = Self { min: t.forward.translation, max: t.forward.translation };
+        for k in 0..3 {
+            let row = [m.x_axis[k], m.y_axis[k], m.z_axis[k]];
+            let most = row.iter().fold(0.0f64, |a, v| a.max(v.abs()));
+            for (j, f) in row.into_iter().enumerate() {
+                // What is left of a turn by a right angle is no turn.
+                let endless = f.abs() > 1e-9 * most;
+                let at = |v: f64| if v.abs() >= end && endless { f * v * 1e10 } else { f * v };
+                let (a, b) = (at(self.min[j]), at(self.max[j]));
+                out.min[k] += a.min(b);
+                out.max[k] += a.max(b);
+            }
+        }
+        Self { min: out.min.max(Self::UNBOUNDED.min), max: out.max.min(Self::UNBOUNDED.max) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_without_end_along_an_axis_keep_their_ends_along_the_others() {
+        let rod = Bounds { min: DVec3::new(-1e10, -1.0, -2.0), max: DVec3::new(1e10, 1.0, 2.0) };
+        let scaled = rod.transformed(&Transform::scaling(DVec3::new(1e-6, 10.0, 10.0)));
+        assert_eq!((scaled.min, scaled.max), (DVec3::new(-1e10, -10.0, -20.0), DVec3::new(1e10, 10.0, 20.0)));
+        let turned = rod.transformed(&Transform::rotation_deg(DVec3::new(0.0, 0.0, 90.0)));
+        assert!(turned.max.y == 1e10 && (turned.max.x - 1.0).abs() < 1e-5 && turned.max.z == 2.0, "{turned:?}");
+        assert!(rod.transformed(&Transform::rotation_deg(DVec3::new(0.0, 45.0, 0.0))).max.z == 1e10);
+        assert_eq!(Bounds::UNBOUNDED.transformed(&Transform::scaling(DVec3::splat(1e-9))), Bounds::UNBOUNDED);
+    }
+
+    #[test]
+    fn transformed_box_holds_the_transformed_corners_tightly() {
+        let b = Bounds { min: DVec3::new(-1.0, 0.0, 2.0), max: DVec3::new(3.0, 1.0, 5.0) };
+        let t = Transform::rotation_deg(DVec3::new(10.0, 20.0, 30.0)).then(&Transform::translation(DVec3::ONE));
+        let (got, want) = (b.transformed(&t), Bounds::from_points(b.corners().map(|c| t.point(c))));
+        assert!((got.min - want.min).length() < 1e-12 && (got.max - want.max).length() < 1e-12);
     }
 }

@@ -16,6 +16,8 @@ pub struct MeshShape {
     pub bounds: Bounds,
     /// Over the faces.
     pub tree: Accel,
+    /// Corners of every face side by side: one place in memory a test in place of four.
+    pub corners: Vec<[Vec3; 3]>,
 }
 
 impl MeshShape {
@@ -27,13 +29,14 @@ impl MeshShape {
         let used = mesh.faces.iter().flatten().map(|v| mesh.vertices[*v as usize].as_dvec3());
         let bounds = Bounds::from_points(used);
         let tree = Accel::build(accel, &TrianglePrims { vertices: &mesh.vertices, faces: &mesh.faces }, &AccelOptions::default());
-        Some(Self { mesh, textures, bounds, tree })
+        let corners = mesh.faces.iter().map(|f| f.map(|v| mesh.vertices[v as usize])).collect();
+        Some(Self { mesh, textures, bounds, tree, corners })
     }
 
     /// Corners of a face.
     #[inline]
     pub fn corners(&self, face: u32) -> [DVec3; 3] {
-        self.mesh.faces[face as usize].map(|v| self.mesh.vertices[v as usize].as_dvec3())
+        self.corners[face as usize].map(|v| v.as_dvec3())
     }
 
     /// World box of the vertices.
