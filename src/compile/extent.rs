@@ -6,6 +6,7 @@ use super::tables::TransformTable;
 use super::texture::TextureBuilder;
 use crate::accel::AccelKind;
 use crate::math::{Bounds, DVec3, EPSILON, Transform};
+use crate::scene::shape::SweepKind;
 use crate::scene::{Csg, Object, Shape};
 
 /// POV-Ray's box of `object`, rounded to 32 bits as POV-Ray keeps it.
@@ -105,6 +106,11 @@ fn leaf_extent(object: &Object, t: &Transform, tables: &mut LeafTables) -> Bound
         Shape::Disc { center, normal, radius, .. } => {
             let n = normal.normalize_or_zero();
             around(disc_bounds(*center, n, *radius, &Transform::IDENTITY))
+        }
+        Shape::SphereSweep { kind, spheres, .. } => {
+            let reach = if *kind == SweepKind::Cubic { 2.0 } else { 1.0 };
+            let boxes = spheres.iter().map(|(c, r)| Bounds { min: *c - DVec3::splat(reach * r), max: *c + DVec3::splat(reach * r) });
+            around(boxes.fold(Bounds::EMPTY, Bounds::union))
         }
         Shape::Triangle { vertices, .. } => Bounds::from_points(vertices.map(|v| t.point(v))),
         _ => around(native(object, tables)),

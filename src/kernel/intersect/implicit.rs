@@ -209,8 +209,8 @@ pub fn intersect_parametric(s: &ParametricShape, ray: &LocalRay, f: &impl Fn(DVe
         let mut next = [None, None];
         for (slot, mut half) in next.iter_mut().zip([a, b]) {
             budget -= 1;
-            let Some((from, to, entry)) = depths(s, ray, f, &half, t_low, t_high.min(best)) else { continue };
-            if (half.high - half.low).max_element().min(to - from) < s.accuracy {
+            let Some((from, entry)) = depths(s, ray, f, &half, t_low, t_high.min(best)) else { continue };
+            if (half.high - half.low).max_element() < s.accuracy {
                 if entry > 0.0 && entry < best {
                     best = entry;
                     found = half.low;
@@ -238,8 +238,8 @@ pub fn intersect_parametric(s: &ParametricShape, ray: &LocalRay, f: &impl Fn(DVe
     }
 }
 
-/// Depths within which the ray is in the patch's box; the third number is the entry of the last coordinate.
-fn depths(s: &ParametricShape, ray: &LocalRay, f: &impl Fn(DVec2) -> DVec3, p: &Patch, t_low: f64, t_high: f64) -> Option<(f64, f64, f64)> {
+/// Depth at which the ray enters the patch's box, and that of its last coordinate alone.
+fn depths(s: &ParametricShape, ray: &LocalRay, f: &impl Fn(DVec2) -> DVec3, p: &Patch, t_low: f64, t_high: f64) -> Option<(f64, f64)> {
     let a = DVec3::splat(s.accuracy);
     let corner = [p.low, DVec2::new(p.low.x, p.high.y), DVec2::new(p.high.x, p.low.y), p.high].map(|c| f(c) - a);
     let size = p.high - p.low;
@@ -270,7 +270,7 @@ fn depths(s: &ParametricShape, ray: &LocalRay, f: &impl Fn(DVec2) -> DVec3, p: &
             return None;
         }
     }
-    Some((from, to, entry))
+    Some((from, entry))
 }
 
 /// Cross product of forward differences.
