@@ -20,7 +20,8 @@ pub fn warp_point(scene: &CompiledScene, pattern_ix: u32, p: DVec3) -> DVec3 {
 #[inline]
 pub fn warp_by(scene: &CompiledScene, pattern: &PatternNode, p: DVec3) -> DVec3 {
     let warped = pattern.warps.of(&scene.textures.warps).iter().fold(p, |p, w| warp(w, p));
-    warped.clamp(DVec3::splat(-MOST), DVec3::splat(MOST))
+    // NaN stays NaN.
+    if warped.abs().max_element() > MOST { DVec3::from_array(warped.to_array().map(|v| v.clamp(-MOST, MOST))) } else { warped }
 }
 
 fn warp(w: &WarpNode, p: DVec3) -> DVec3 {
@@ -29,8 +30,9 @@ fn warp(w: &WarpNode, p: DVec3) -> DVec3 {
         WarpNode::Turbulence { amount, noise } => p + amount * turbulence_vector(p, noise.octaves, noise.omega, noise.lambda),
         WarpNode::Repeat { axis, width, offset, flip } => {
             let (axis, mut p) = (usize::from(axis), p);
-            let block = (p[axis] / width).floor();
-            p[axis] -= block * width;
+            // The product is rounded to 32 bits (measured).
+            let block = f64::from((p[axis] / width).floor() as f32);
+            p[axis] -= f64::from((block * width) as f32);
             if block % 2.0 != 0.0 {
                 for k in 0..3 {
                     if flip[k] {
@@ -81,6 +83,9 @@ fn warp(w: &WarpNode, p: DVec3) -> DVec3 {
             turned(orientation, DVec3::new(turns(p.x, p.z, r) * k, (0.5 + (p.y / dist).clamp(-1.0, 1.0).asin() / PI) * k, dist))
         }
         WarpNode::Toroidal { orientation, dist_exp, major_radius } => {
+            if p.x == 0.0 && p.z == 0.0 {
+                return p;
+            }
             let (theta, phi, len) = torus_coordinates(p, major_radius);
             let k = scale(len, dist_exp);
             turned(orientation, DVec3::new(theta * k, phi * k, len))
@@ -108,7 +113,8 @@ pub(super) fn torus_coordinates(p: DVec3, major: f64) -> (f64, f64, f64) {
     let axis = (p.x * p.x + p.z * p.z).sqrt();
     let r = axis - major;
     let len = (r * r + p.y * p.y).sqrt();
-    let mut phi = if len == 0.0 { 0.0 } else { (-r / len).clamp(-1.0, 1.0).acos() };
+    // On the centre line this is NaN, as in POV-Ray.
+    let mut phi = (-r / len).clamp(-1.0, 1.0).acos();
     if p.y > 0.0 {
         phi = TAU - phi;
     }

@@ -491,7 +491,8 @@ fn turbulence_params(t: &Turbulence) -> TurbulenceParams {
 fn warp_node(w: &Warp) -> WarpNode {
     match *w {
         Warp::Transform(t) => WarpNode::Affine(t.inverse),
-        Warp::Repeat { axis, width, offset, flip } => WarpNode::Repeat { axis, width, offset, flip },
+        // The width is a 32-bit number (measured).
+        Warp::Repeat { axis, width, offset, flip } => WarpNode::Repeat { axis, width: f64::from(width as f32), offset, flip },
         Warp::BlackHole { center, radius, strength, falloff, inverse, repeat, turbulence } => WarpNode::BlackHole {
             center,
             radius,

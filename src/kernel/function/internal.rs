@@ -24,8 +24,8 @@ pub fn eval_internal(n: u32, point: DVec3, params: &[f64]) -> f64 {
             let e = match n {
                 0 => x2 * x.abs() - x2 + y2,
                 1 => -(2.0 * x2 * x2 - 3.0 * x2 * y + y2 - 2.0 * y2 * y + y2 * y2),
-                2 => x2 * x2 + x2 * y2 - 2.0 * x2 * y - x * y2 + y2,
-                _ => x2 * x2 + y2 * y2 + 2.0 * x2 * y2 + 3.0 * x2 * y - y2 * y,
+                2 => -(x2 * x2 + x2 * y2 - 2.0 * x2 * y - x * y2 + y2),
+                _ => -(x2 * x2 + y2 * y2 + 2.0 * x2 * y2 + 3.0 * x2 * y - y2 * y),
             };
             (strength * e).max(-p(1)).min(p(1))
         }
@@ -108,7 +108,8 @@ pub fn eval_internal(n: u32, point: DVec3, params: &[f64]) -> f64 {
         24 => helical_torus(point, &p),
         25 => helix1(point, &p),
         26 => helix2(point, &p),
-        27 | 28 => hex(point, p(0), n == 28),
+        // The parameter is not used (measured).
+        27 | 28 => hex(point, n == 28),
         29 => hetero_mf(point, &p),
         30 => {
             let a = q - 13.0;
@@ -171,7 +172,7 @@ pub fn eval_internal(n: u32, point: DVec3, params: &[f64]) -> f64 {
             let count = p(0).clamp(0.0, 1e6) as u32;
             (0..count)
                 .map(|i| {
-                    let (s, c) = (TAU * f64::from(i) / p(0).trunc()).sin_cos();
+                    let (s, c) = (TAU * f64::from(i) / p(0)).sin_cos();
                     (x - r * s).hypot(z - r * c)
                 })
                 .fold(f64::INFINITY, f64::min)
@@ -203,7 +204,8 @@ pub fn eval_internal(n: u32, point: DVec3, params: &[f64]) -> f64 {
         }
         63 => y - p(0) * (p(1) * x).cos() * (p(2) * z).cos() * (-p(3) * (x2 + z2)).exp(),
         64 => {
-            let r = (x2 + z2).sqrt() + p(0) * z.atan2(x) / TAU;
+            let (x, q) = if x == 0.0 && z == 0.0 { (1e-6, y2 + 1e-12) } else { (x, q) };
+            let r = (x * x + z2).sqrt() + p(0) * z.atan2(x) / TAU;
             let d0 = r % p(0) - p(0) / 2.0;
             let d = cross_section(d0, y, p(5));
             let q = q.sqrt();
@@ -267,8 +269,7 @@ fn revolved(p: DVec3, switch: f64, offset: f64, angle_deg: f64) -> [f64; 2] {
 
 /// Three crossed ellipsoidal fields of eccentricity `e`; squares of the coordinates are given.
 fn ellipsoids(e: f64, k: f64, [x2, y2, z2]: [f64; 3]) -> [f64; 3] {
-    let e2 = e * e;
-    [(-k * (e2 * (x2 + y2) + z2)).exp(), (-k * (e2 * (x2 + z2) + y2)).exp(), (-k * (x2 + e2 * (y2 + z2))).exp()]
+    [(-k * (e * (x2 + y2) + z2)).exp(), (-k * (e * (x2 + z2) + y2)).exp(), (-k * (x2 + e * (y2 + z2))).exp()]
 }
 
 fn poly4(y: f64, k: &[f64; 5]) -> f64 {
@@ -336,17 +337,15 @@ fn helix2(p: DVec3, a: &impl Fn(usize) -> f64) -> f64 {
     cross_section(x * c + z * s, -x * s + z * c, kind) - minor
 }
 
-fn hex(p: DVec3, angle_deg: f64, along_y: bool) -> f64 {
+fn hex(p: DVec3, along_y: bool) -> f64 {
     let half = SQRT3 / 2.0;
     let mut x = (p.x.abs() % SQRT3 - half).abs();
     let mut y = (p.y.abs() % 3.0 - 1.5).abs();
     if x * x + y * y > (half - x) * (half - x) + (1.5 - y) * (1.5 - y) {
         (x, y) = (half - x, 1.5 - y);
     }
-    let _ = angle_deg;
     // Of the two sides of a cell the nearer one counts.
-    let steep = x.atan2(y) < PI / 6.0;
-    match (along_y, steep) {
+    match (along_y, y.atan2(x) < PI / 6.0) {
         (false, true) => x,
         (true, true) => y,
         (false, false) => x / 2.0 + y * half,

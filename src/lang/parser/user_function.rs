@@ -4,7 +4,7 @@ use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
 use crate::lang::token::{Punct, Symbol, TokenKind};
 use crate::lang::value::Value;
-use crate::scene::function::{FnBinary, FnBuiltin, FnExpr};
+use crate::scene::function::{FnBinary, FnBuiltin, FnExpr, internal_args};
 use crate::scene::spline::SplineKind;
 use crate::scene::{Function, FunctionBody, Spline};
 use std::sync::Arc;
@@ -82,7 +82,8 @@ impl Parser<'_> {
                 self.expect(Punct::LParen)?;
                 let n = self.parse_int()?;
                 self.expect(Punct::RParen)?;
-                return make(n_params, FunctionBody::Internal(n.clamp(0, 10_000) as u32));
+                let n = n.clamp(0, 10_000) as u32;
+                return make(internal_args(n).unwrap_or(n_params), FunctionBody::Internal(n));
             }
             Some(Kw::Pigment) if !listed => {
                 self.next()?;
@@ -247,7 +248,7 @@ impl Parser<'_> {
 
     fn fn_user_call(&mut self, function: Arc<Function>, names: &mut Names) -> PResult<FnExpr> {
         let args = self.fn_args(names)?;
-        if args.len() != function.n_params && !matches!(function.body, FunctionBody::Internal(_)) {
+        if args.len() != function.n_params {
             return Err(self.error(format!(
                 "Invalid number of parameters in call of function '{}': {} given, {} wanted.",
                 function.name,
