@@ -20,6 +20,8 @@ pub enum TokenKind {
     Str(Symbol),
     /// Punctuation.
     Punct(Punct),
+    /// An array's element, subscripts read and value looked up; the parser holds the value until the token is taken.
+    Element,
     /// Something that cannot be read; the symbol is the message.
     Bad(Symbol),
     /// The end of the text.

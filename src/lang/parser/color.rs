@@ -130,12 +130,7 @@ impl Parser<'_> {
         let t = self.peek()?;
         Ok(match t.kind {
             TokenKind::Kw(k) => super::expr::word_class(k) == super::expr::WordClass::Color,
-            TokenKind::Ident(_) => match self.peek_value()? {
-                Some(Value::Num(n)) => n.is_color,
-                Some(Value::Array(a)) => a.items.iter().flatten().next().is_some_and(|v| matches!(v, Value::Num(n) if n.n >= 3)),
-                _ => false,
-            },
-            _ => false,
+            _ => matches!(self.peek_value()?, Some(Value::Num(n)) if n.is_color),
         })
     }
 }

@@ -28,7 +28,11 @@ impl Parser<'_> {
     pub(super) fn directive(&mut self, hash: Token) -> PResult<()> {
         let word = self.next_raw();
         self.last_span = hash.span.to(word.span);
-        let TokenKind::Kw(kw) = word.kind else { return Err(self.expected_instead("directive", word)) };
+        let TokenKind::Kw(kw) = word.kind else {
+            // A stray # is skipped, whatever follows.
+            self.unread(word);
+            return Ok(());
+        };
         // Directives inside a value that is itself in a closed place start afresh.
         let was_closed_ops = std::mem::replace(&mut self.closed_ops, false);
         let result = self.run_directive(kw, word);
@@ -92,8 +96,28 @@ impl Parser<'_> {
             Kw::Fclose => self.fclose(),
             Kw::Read => self.read_file(),
             Kw::Write => self.write_file(),
-            _ => Err(self.expected_instead("directive", word)),
+            _ => {
+                self.unread(word);
+                Ok(())
+            }
         }
+    }
+
+    /// Runs `#else`, `#elseif` and `#end` of conditionals opened since there were `n_conds`, where a value that they chose has just ended.
+    pub(super) fn end_value_conditionals(&mut self, n_conds: usize) -> PResult<()> {
+        while self.conds.len() > n_conds {
+            let hash = self.next_raw();
+            let f = self.frames.last().expect("a frame");
+            let ends = hash.kind == TokenKind::Punct(Punct::Hash)
+                && f.at < f.end
+                && matches!(f.tokens[f.at].kind, TokenKind::Kw(Kw::Else | Kw::Elseif | Kw::End));
+            if !ends {
+                self.unread(hash);
+                break;
+            }
+            self.directive(hash)?;
+        }
+        Ok(())
     }
 
     /// `( Cond )` of `#if`, `#while`, `#switch`, `#case`: a number.

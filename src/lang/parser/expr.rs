@@ -340,6 +340,16 @@ impl Parser<'_> {
                     _ => Err(self.expected_instead("numeric expression", t)),
                 }
             }
+            TokenKind::Element => {
+                let value = self.element.clone();
+                self.next()?;
+                match value {
+                    Some(Value::Num(n)) => Ok(n),
+                    Some(Value::Function(f)) => self.call_function(&f),
+                    Some(Value::Spline(s)) => self.call_spline(&s),
+                    _ => Err(self.expected_instead("numeric expression", t)),
+                }
+            }
             TokenKind::Kw(k) => match word_class(k) {
                 WordClass::Float | WordClass::Vector => {
                     self.next()?;
@@ -411,11 +421,9 @@ impl Parser<'_> {
             TokenKind::Float(_) => true,
             TokenKind::Punct(Punct::Lt | Punct::LParen | Punct::Plus | Punct::Minus | Punct::Not) => true,
             TokenKind::Kw(k) => matches!(word_class(k), WordClass::Float | WordClass::Vector),
-            TokenKind::Ident(s) => match self.symbols.value(s) {
-                Some(Value::Num(_) | Value::Function(_) | Value::Spline(_)) => true,
-                Some(Value::Array(a)) => a.items.iter().flatten().next().is_some_and(|v| matches!(v, Value::Num(_))),
-                _ => false,
-            },
+            TokenKind::Ident(_) | TokenKind::Element => {
+                matches!(self.peek_value()?, Some(Value::Num(_) | Value::Function(_) | Value::Spline(_)))
+            }
             _ => false,
         })
     }

@@ -93,6 +93,7 @@ impl Parser<'_> {
 
     /// One argument: a lone name is passed by reference, anything else by value.
     fn macro_argument(&mut self) -> PResult<Binding> {
+        let n_conds = self.conds.len();
         let t = self.opened_start()?;
         if let TokenKind::Ident(name) = t.kind {
             let ends = self.after_reference();
@@ -115,7 +116,12 @@ impl Parser<'_> {
             }
         }
         match self.parse_rvalue()? {
-            Some(value) => Ok(Binding::Value(value)),
+            Some(value) => {
+                if !matches!(value, Value::Num(_)) {
+                    self.end_value_conditionals(n_conds)?;
+                }
+                Ok(Binding::Value(value))
+            }
             None => self.expected("macro parameter"),
         }
     }

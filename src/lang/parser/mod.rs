@@ -31,6 +31,8 @@ mod user_function;
 
 use super::intern::Interner;
 use super::token::{Symbol, Token};
+#[cfg(doc)]
+use super::token::TokenKind;
 use super::value::{Num, SymbolTable, Value};
 use super::{Declared, Fatal, LangOptions, Stream};
 use crate::diag::{FileId, Sink, SourceMap, Span};
@@ -115,6 +117,8 @@ pub struct Parser<'a> {
     ahead: Option<Token>,
     /// Whether `ahead` was read where directives are open, so that it can be taken as it is.
     ahead_is_open: bool,
+    /// Value of the [`TokenKind::Element`] in `ahead`.
+    element: Option<Value>,
     /// Directives and macro calls are left alone.
     closed: bool,
     /// They are left alone where an operator may stand (values of declarations, conditions, macro arguments).
@@ -168,6 +172,7 @@ impl<'a> Parser<'a> {
             conds: Vec::new(),
             ahead: None,
             ahead_is_open: false,
+            element: None,
             closed: false,
             closed_ops: false,
             last_span: nowhere,

@@ -216,10 +216,35 @@ impl Parser<'_> {
         Err(self.error(format!("No matching }} in '{what}', {found} found instead")))
     }
 
-    /// The value that the next token names, if it is a name with a value (not taken).
+    /// The value that the next token names, if it is a name with a value (not taken). The subscripts of an array are read here:
+    /// name and subscripts become one [`TokenKind::Element`].
     pub(super) fn peek_value(&mut self) -> PResult<Option<&Value>> {
         let t = self.peek()?;
-        Ok(if let TokenKind::Ident(s) = t.kind { self.symbols.value(s) } else { None })
+        match t.kind {
+            TokenKind::Element => Ok(self.element.as_ref()),
+            TokenKind::Ident(s) if matches!(self.symbols.value(s), Some(Value::Array(_))) && self.bracket_follows() => {
+                let mut place = self.symbols.resolve(s).expect("the name has a value");
+                self.next()?;
+                while matches!(self.symbols.value_at(&place), Some(Value::Array(_))) && self.bracket_follows() {
+                    self.opened(|p| p.subscripts(&mut place))?;
+                }
+                let Some(value) = self.symbols.value_at(&place) else {
+                    return Err(self.error("Attempt to access uninitialized array element."));
+                };
+                self.element = Some(value.clone());
+                self.ahead = Some(Token { kind: TokenKind::Element, span: t.span.to(self.last_span) });
+                self.ahead_is_open = true;
+                Ok(self.element.as_ref())
+            }
+            TokenKind::Ident(s) => Ok(self.symbols.value(s)),
+            _ => Ok(None),
+        }
+    }
+
+    /// Whether `[` stands behind the last token read.
+    fn bracket_follows(&self) -> bool {
+        let f = self.frames.last().expect("a frame");
+        f.at < f.end && f.tokens[f.at].kind == TokenKind::Punct(Punct::LBracket)
     }
 
     /// A token in words.
@@ -230,6 +255,7 @@ impl Parser<'_> {
             TokenKind::Eof => "End of File".into(),
             TokenKind::Punct(p) => p.text(),
             TokenKind::Bad(s) => self.interner.text(s),
+            TokenKind::Element => self.element.as_ref().map_or("array element", Value::kind_name).into(),
             TokenKind::Ident(s) => match self.symbols.value(s) {
                 None => format!("undeclared identifier '{}'", self.interner.text(s)),
                 Some(Value::Num(n)) if n.n == 1 => "float function 'float identifier'".into(),

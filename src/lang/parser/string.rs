@@ -18,6 +18,7 @@ impl Parser<'_> {
         Ok(match t.kind {
             TokenKind::Str(_) => true,
             TokenKind::Kw(k) => is_string_word(k),
+            TokenKind::Element => matches!(self.element, Some(Value::Str(_))),
             TokenKind::Ident(s) => match self.symbols.value(s) {
                 Some(Value::Str(_)) => true,
                 Some(Value::Array(a)) => matches!(a.items.iter().flatten().next(), Some(Value::Str(_))),
@@ -61,6 +62,11 @@ impl Parser<'_> {
                     return Ok(s.clone());
                 }
                 Err(self.expected_instead("string expression", t))
+            }
+            TokenKind::Element => {
+                let value = self.element.clone();
+                self.next()?;
+                if let Some(Value::Str(s)) = value { Ok(s) } else { Err(self.expected_instead("string expression", t)) }
             }
             TokenKind::Kw(k) if is_string_word(k) => {
                 self.next()?;
