@@ -30,9 +30,9 @@ mod transforms;
 mod user_function;
 
 use super::intern::Interner;
-use super::token::{Symbol, Token};
 #[cfg(doc)]
 use super::token::TokenKind;
+use super::token::{Symbol, Token};
 use super::value::{Num, SymbolTable, Value};
 use super::{Declared, Fatal, LangOptions, Stream};
 use crate::diag::{FileId, Sink, SourceMap, Span};
