@@ -47,9 +47,9 @@ impl Pigment {
         Self { kind: PigmentKind::Solid(c), pattern: Pattern::default(), uv_mapping: false, quick_color: None }
     }
 
-    /// Moves the pattern. Plain colours have none to move.
+    /// Moves the pattern. Plain colours have none to move; on (u, v) nothing moves.
     pub fn transform(&mut self, t: &Transform) {
-        if !matches!(self.kind, PigmentKind::Solid(_)) {
+        if !matches!(self.kind, PigmentKind::Solid(_)) && !self.uv_mapping {
             self.pattern.transform(t);
         }
     }
@@ -86,9 +86,11 @@ pub struct Normal {
 }
 
 impl Normal {
-    /// Moves the pattern.
+    /// Moves the pattern; on (u, v) nothing moves.
     pub fn transform(&mut self, t: &Transform) {
-        self.pattern.transform(t);
+        if !self.uv_mapping {
+            self.pattern.transform(t);
+        }
     }
 }
 

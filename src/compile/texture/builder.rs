@@ -58,6 +58,7 @@ mod table {
     pub const NORMALS: u8 = 8;
     pub const SLOPES: u8 = 9;
     pub const FUNCTION: u8 = 10;
+    pub const NORMALS_UNSCALED: u8 = 11;
 }
 
 impl Default for TextureBuilder {
@@ -241,18 +242,21 @@ impl TextureBuilder {
         if let Some(ix) = self.known(n, table::NORMAL) {
             return ix;
         }
-        let ix = self.normal_entry(n);
+        let ix = self.normal_entry(n, false);
         self.learn(n, table::NORMAL, ix)
     }
 
-    fn normal_entry(&mut self, n: &Normal) -> NormalIx {
+    /// `unscaled`: the normal around it says `no_bump_scale`, which holds for all inside it too (measured).
+    fn normal_entry(&mut self, n: &Normal, unscaled: bool) -> NormalIx {
+        let no_bump_scale = n.no_bump_scale || unscaled;
         let mut uv = n.uv_mapping;
         let code = match &n.kind {
             NormalKind::Pattern { slope_map } => NormalCode::Pattern(slope_map.as_ref().map_or(Range::default(), |map| {
                 self.shared_range(map, table::SLOPES, |b, m| append(&mut b.tables.slope_entries, m.entries.clone()))
             })),
             NormalKind::NormalMap(map) | NormalKind::Average(map) => {
-                let range = self.shared_range(map, table::NORMALS, Self::normal_entries);
+                let table = if no_bump_scale { table::NORMALS_UNSCALED } else { table::NORMALS };
+                let range = self.shared_range(map, table, |b, m| b.normal_entries(m, no_bump_scale));
                 uv |= range.of(&self.tables.normal_entries).iter().any(|(_, c)| self.normal_uv[*c as usize]);
                 if matches!(n.kind, NormalKind::Average(_)) { NormalCode::Average(range) } else { NormalCode::Map(range) }
             }
@@ -264,15 +268,15 @@ impl TextureBuilder {
             pattern,
             amount: f64::from(n.amount),
             accuracy: f64::from(n.accuracy),
-            no_bump_scale: n.no_bump_scale,
+            no_bump_scale,
             uv_mapping: n.uv_mapping,
         });
         self.normal_uv.push(uv);
         self.tables.normals.len() as u32 - 1
     }
 
-    fn normal_entries(&mut self, map: &BlendMap<Normal>) -> Range {
-        let entries: Vec<(f32, u32)> = map.entries.iter().map(|(at, n)| (*at, self.normal_entry(n))).collect();
+    fn normal_entries(&mut self, map: &BlendMap<Normal>, unscaled: bool) -> Range {
+        let entries: Vec<(f32, u32)> = map.entries.iter().map(|(at, n)| (*at, self.normal_entry(n, unscaled))).collect();
         append(&mut self.tables.normal_entries, entries)
     }
 
