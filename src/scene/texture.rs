@@ -245,18 +245,25 @@ pub enum Texture {
 }
 
 impl Texture {
+    /// Whether the whole texture sits on (u, v) and so does not follow its object.
+    pub fn is_on_uv(&self) -> bool {
+        matches!(self, Self::Map { uv_mapping: true, .. } | Self::Average { uv_mapping: true, .. })
+    }
+
     /// A layer of one colour with the default finish.
     pub fn solid(c: Rgbft) -> Self {
         Self::Layers(vec![TextureLayer { pigment: Arc::new(Pigment::solid(c)), normal: None, finish: Arc::new(Finish::default()) }])
     }
 
-    /// Moves the texture: every layer of a plain one, the choosing pattern of the others.
+    /// Moves the texture: every layer of a plain one, the choosing pattern of the others. What sits on (u, v) by its own word stays.
     pub fn transform(&mut self, t: &Transform) {
         match self {
             Self::Layers(layers) => {
                 for l in layers {
-                    Arc::make_mut(&mut l.pigment).transform(t);
-                    if let Some(n) = &mut l.normal {
+                    if !l.pigment.uv_mapping {
+                        Arc::make_mut(&mut l.pigment).transform(t);
+                    }
+                    if let Some(n) = l.normal.as_mut().filter(|n| !n.uv_mapping) {
                         Arc::make_mut(n).transform(t);
                     }
                 }
