@@ -91,7 +91,7 @@ impl MeshCamera {
     fn face_ray(&self, mesh_ix: usize, face: usize) -> Option<Ray> {
         let (mesh, t) = self.meshes.get(mesh_ix)?;
         let [a, b, c] = mesh.faces.get(face)?.map(|v| mesh.vertices[v as usize].as_dvec3());
-        self.start((a + b + c) / 3.0, (b - a).cross(c - a).try_normalize()?, t)
+        self.start((a + b + c) / 3.0, (c - a).cross(b - a).try_normalize()?, t)
     }
 
     fn uv_ray(&self, at: DVec2) -> Option<Ray> {
@@ -107,7 +107,7 @@ impl MeshCamera {
                 continue;
             }
             let [a, b, c] = face.map(|v| mesh.vertices[v as usize].as_dvec3());
-            let mut n = (b - a).cross(c - a).try_normalize()?;
+            let mut n = (c - a).cross(b - a).try_normalize()?;
             if let (true, Some(ix)) = (self.smooth, mesh.normal_indices.get(k)) {
                 let [na, nb, nc] = ix.map(|i| mesh.normals.get(i as usize).copied().unwrap_or_default().as_dvec3());
                 n = (wa * na + wb * nb + wc * nc).try_normalize().unwrap_or(n);
