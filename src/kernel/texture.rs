@@ -14,8 +14,8 @@ use crate::math::DVec3;
 pub fn for_texture_parts(scene: &CompiledScene, node: &TextureNode, at: &PatternPoint, mut f: impl FnMut(TextureIx, f32)) -> PatternPoint {
     let t = &scene.textures;
     let warped = |pattern: PatternIx, uv_mapping: bool| {
-        let start = if uv_mapping { DVec3::new(at.uv.x, at.uv.y, 0.0) } else { at.point };
-        PatternPoint { point: warp_by(scene, &t.patterns[pattern as usize], start), ..*at }
+        let point = if uv_mapping { DVec3::new(at.uv.x, at.uv.y, 0.0) } else { warp_by(scene, &t.patterns[pattern as usize], at.point) };
+        PatternPoint { point, ..*at }
     };
     match *node {
         TextureNode::Map { pattern, start, len, uv_mapping } => {
@@ -24,8 +24,9 @@ pub fn for_texture_parts(scene: &CompiledScene, node: &TextureNode, at: &Pattern
             match neighbours(&t.texture_entries[start as usize..][..len as usize], value) {
                 (a, None) => f(a, 1.0),
                 (a, Some((b, share))) => {
-                    f(a, 1.0 - share as f32);
+                    // The upper one first (measured: what it draws and leaves behind shows in the lower one).
                     f(b, share as f32);
+                    f(a, 1.0 - share as f32);
                 }
             }
             inner

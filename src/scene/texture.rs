@@ -234,9 +234,9 @@ impl Default for Principled {
 pub enum Texture {
     /// Plain layers, bottom first, at least one.
     Layers(Vec<TextureLayer>),
-    /// Textures blended by a pattern.
+    /// Textures blended by a pattern. With `uv_mapping` the children look at (u, v, 0) and the pattern's warps turn normals only.
     Map { pattern: Pattern, map: BlendMap<Arc<Texture>>, uv_mapping: bool },
-    /// Weighted mean; the pattern bends the point.
+    /// Weighted mean; the pattern bends the point. `uv_mapping` as above.
     Average { pattern: Pattern, map: BlendMap<Arc<Texture>>, uv_mapping: bool },
     /// Texture chosen by an image's index; the pattern bends the point.
     MaterialMap { pattern: Pattern, image: Arc<ImageMap>, textures: Vec<Arc<Texture>> },

@@ -116,14 +116,14 @@ impl Tracer<'_> {
         let mut indirect = [None; 2];
         for (nth, k) in (start..start + len).rev().enumerate() {
             let layer = scene.textures.layers[k as usize];
-            let mut normal = ctx.normal;
+            let (mut normal, mut seen) = (ctx.normal, ctx.normal);
             if quality.normals && layer.normal != crate::compile::NONE {
-                normal = cover::perturb(scene, layer.normal, normal, p, space);
+                (normal, seen) = cover::perturb(scene, layer.normal, normal, p, space);
             }
             if nth == 0 {
                 out.top_normal = normal;
             }
-            let at = PatternPoint { normal, ..*p };
+            let at = PatternPoint { normal: seen, ..*p };
             let found = cover::layer_color(scene, layer.pigment, &at, quality.quick_colors);
             let color = found.unwrap_or(Rgbft::CLEAR);
             if !quality.lights {

@@ -111,11 +111,11 @@ impl Tracer<'_> {
                 let mut product = Vec3::ONE;
                 for k in (*start..*start + *len).rev() {
                     let layer = scene.textures.layers[k as usize];
-                    let mut normal = p.normal;
+                    let (mut normal, mut seen) = (p.normal, p.normal);
                     if self.plan.quality.normals && layer.normal != NONE {
-                        normal = cover::perturb(scene, layer.normal, normal, p, space);
+                        (normal, seen) = cover::perturb(scene, layer.normal, normal, p, space);
                     }
-                    let at = PatternPoint { normal, ..*p };
+                    let at = PatternPoint { normal: seen, ..*p };
                     let color = cover::layer_color(scene, layer.pigment, &at, self.plan.quality.quick_colors).unwrap_or(Rgbft::CLEAR);
                     product *= color.transmittance();
                     if caustics != 0.0 {

@@ -86,11 +86,13 @@ pub(super) fn blend(scene: &CompiledScene, node: &TextureNode, p: &PatternPoint)
     Parts { entries, point, step: SpaceStep::Pattern(pattern) }
 }
 
-/// A layer's normal (world space), taken through the spaces around the layer and back.
-pub(super) fn perturb(scene: &CompiledScene, normal_ix: u32, normal: DVec3, p: &PatternPoint, space: &Space) -> DVec3 {
+/// A layer's normal, taken through the spaces around the layer and back: in the world, and as the patterns slope and aoi see it, which
+/// is in the space inside the patterned textures around it (measured).
+pub(super) fn perturb(scene: &CompiledScene, normal_ix: u32, normal: DVec3, p: &PatternPoint, space: &Space) -> (DVec3, DVec3) {
     let inner = perturb_normal(scene, normal_ix, into_space(scene, space, normal), p);
     let outer = out_of_space(scene, space, inner);
-    outer.try_normalize().unwrap_or(normal)
+    let outer = outer.try_normalize().unwrap_or(normal);
+    (outer, if space.parent.is_some() { inner.try_normalize().unwrap_or(normal) } else { outer })
 }
 
 fn into_space(scene: &CompiledScene, space: &Space, n: DVec3) -> DVec3 {

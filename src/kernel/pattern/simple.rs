@@ -11,7 +11,8 @@ const SQRT3: f64 = 1.732_050_807_568_877_2;
 /// 0 mortar, 1 brick.
 pub fn brick(p: DVec3, size: DVec3, mortar: f64) -> f64 {
     let m = mortar - 2.0 * EPSILON;
-    let q = (p + DVec3::splat(m + EPSILON)) / size;
+    // The upper end of a joint belongs to the brick, the lower one to the joint, whatever roundings do (measured).
+    let q = (p + DVec3::splat(mortar + EPSILON)) / size;
     let w = DVec3::splat(m) / size;
     let frac = |v: f64| v - v.floor();
     if frac(q.y) <= w.y {

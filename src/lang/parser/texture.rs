@@ -597,7 +597,15 @@ impl Parser<'_> {
 
     /// What stands between a texture's braces, or in an entry of a texture map.
     fn texture_contents(&mut self) -> PResult<Arc<Texture>> {
-        let mut uv_mapping = self.accept_kw(Kw::UvMapping)?;
+        if !self.accept_kw(Kw::UvMapping)? {
+            return self.texture_in_space();
+        }
+        let inner = self.texture_in_space()?;
+        Ok(on_uv(inner))
+    }
+
+    /// The same after `uv_mapping`.
+    fn texture_in_space(&mut self) -> PResult<Arc<Texture>> {
         let mut texture = match self.peek_value()? {
             Some(Value::Texture(t)) => {
                 let t = t.clone();
@@ -606,7 +614,7 @@ impl Parser<'_> {
             }
             _ => None,
         };
-        uv_mapping |= self.accept_kw(Kw::UvMapping)?;
+        let uv_mapping = self.accept_kw(Kw::UvMapping)?;
         let from_name = texture.is_some();
         if !from_name {
             if self.accept_kw(Kw::MaterialMap)? {
@@ -617,7 +625,7 @@ impl Parser<'_> {
             }
             let mut pattern = Pattern::default();
             if self.pattern_kind(&mut pattern)? {
-                return self.patterned_texture(pattern, uv_mapping);
+                return self.patterned_texture(pattern);
             }
         }
         let mut texture = Arc::unwrap_or_clone(texture.take().unwrap_or_else(|| self.defaults.texture()));
@@ -657,10 +665,8 @@ impl Parser<'_> {
             }
             break;
         }
-        if uv_mapping {
-            set_uv_mapping(&mut texture);
-        }
-        Ok(Arc::new(texture))
+        let texture = Arc::new(texture);
+        Ok(if uv_mapping { on_uv(texture) } else { texture })
     }
 
     /// `pigment`, `normal`, `finish` or `no_bump_scale` of a plain texture, if one is next.
@@ -689,7 +695,7 @@ impl Parser<'_> {
         Ok(true)
     }
 
-    fn patterned_texture(&mut self, mut pattern: Pattern, uv_mapping: bool) -> PResult<Arc<Texture>> {
+    fn patterned_texture(&mut self, mut pattern: Pattern) -> PResult<Arc<Texture>> {
         let mut map = None;
         if let Some(n) = list_length(&pattern.kind) {
             self.comma()?;
@@ -713,9 +719,9 @@ impl Parser<'_> {
         }
         let Some(map) = map else { return self.expected("texture_map") };
         Ok(Arc::new(if matches!(pattern.kind, PatternKind::Average) {
-            Texture::Average { pattern, map, uv_mapping }
+            Texture::Average { pattern, map, uv_mapping: false }
         } else {
-            Texture::Map { pattern, map, uv_mapping }
+            Texture::Map { pattern, map, uv_mapping: false }
         }))
     }
 
@@ -778,17 +784,7 @@ fn plain_normal() -> Normal {
     }
 }
 
-fn set_uv_mapping(texture: &mut Texture) {
-    match texture {
-        Texture::Layers(layers) => {
-            for l in layers {
-                Arc::make_mut(&mut l.pigment).uv_mapping = true;
-                if let Some(n) = &mut l.normal {
-                    Arc::make_mut(n).uv_mapping = true;
-                }
-            }
-        }
-        Texture::Map { uv_mapping, .. } | Texture::Average { uv_mapping, .. } => *uv_mapping = true,
-        Texture::MaterialMap { .. } | Texture::Principled(_) => {}
-    }
+/// A texture that its children's points reach as (u, v, 0); later transforms turn normals only.
+fn on_uv(inner: Arc<Texture>) -> Arc<Texture> {
+    Arc::new(Texture::Map { pattern: Pattern::default(), map: BlendMap { entries: vec![(0.0, inner)] }, uv_mapping: true })
 }
