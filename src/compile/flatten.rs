@@ -310,10 +310,13 @@ impl<'a> Flattener<'a> {
             interior_ix: if role == Role::Visible { entered.interior_ix } else { NONE },
             visible: role == Role::Visible,
             solid: false,
+            bounded_by: 0..0,
             cutaway: 0..0,
         };
+        let mut keeps_bounds = false;
         if let Some(root) = root {
             record.solid = self.nodes[root].solid;
+            keeps_bounds = self.nodes[root].keeps_bounds;
             let mut steps = Vec::new();
             self.writer().require(root, true, &mut steps);
             record.inside = self.add_program(&steps)?;
@@ -331,6 +334,9 @@ impl<'a> Flattener<'a> {
             });
         }
         self.geometry.objects.push(record);
+        if keeps_bounds {
+            self.bound_exactly(object, &entered, object_ix)?;
+        }
         for (light, above) in std::mem::take(&mut self.pending_lights) {
             self.light(&light, &above)?;
         }
@@ -453,11 +459,30 @@ impl<'a> Flattener<'a> {
         self.enter(child, above, role)
     }
 
-    /// `bounded_by`: a ray that misses the bounds' box misses the object. Only the box counts; alone or in pairs, simple finite objects lose
-    /// it altogether, as in POV-Ray.
+    /// Compiles the bounding objects of a top-level object for exact tests.
+    fn bound_exactly(&mut self, object: &Object, entered: &Inherited, object_ix: u32) -> Result<(), CompileError> {
+        let space = Inherited { to_world: entered.to_world, depth: entered.depth, ..Inherited::top() };
+        let mut list = Vec::with_capacity(object.bounded_by.len());
+        for b in &object.bounded_by {
+            let below = self.enter(b, &space, Role::Hidden);
+            list.push(self.record(b, &below, Role::Hidden)?);
+        }
+        let start = self.geometry.bounding_objects.len() as u32;
+        self.geometry.bounding_objects.extend(list);
+        let record = &mut self.geometry.objects[object_ix as usize];
+        record.bounded_by = start..self.geometry.bounding_objects.len() as u32;
+        for p in &mut self.geometry.prims[record.prims.start as usize..record.prims.end as usize] {
+            p.flags |= prim_flags::BOUNDED;
+        }
+        Ok(())
+    }
+
+    /// `bounded_by`: a ray that misses the bounds' box misses the object. POV-Ray takes bounds off simple finite objects, but for the box
+    /// that is already cut, which counts where there are three objects or more.
     fn apply_bounds(&mut self, object: &Object, space: &Inherited, node: &mut Node) -> Result<(), CompileError> {
         let composite = matches!(object.shape, Shape::Csg { .. } | Shape::Poly { .. } | Shape::Text { .. });
-        if !composite && !node.surface_bounds.is_unbounded() && self.n_top_level < 3 {
+        node.keeps_bounds = composite || node.surface_bounds.is_unbounded() || self.n_top_level == usize::MAX;
+        if !node.keeps_bounds && self.n_top_level < 3 {
             return Ok(());
         }
         for b in &object.bounded_by {
@@ -489,7 +514,7 @@ impl<'a> Flattener<'a> {
             (false, true) => NodeKind::Merge(list),
             (false, false) => NodeKind::Any(list),
         };
-        Some(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid, is_difference: false })
+        Some(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid, is_difference: false, keeps_bounds: false })
     }
 
     /// A text: a plain union of its letters.
@@ -548,7 +573,7 @@ impl<'a> Flattener<'a> {
         let (bounds, cobounds) = if inverted { (Bounds::UNBOUNDED, leaf.inside_bounds) } else { (leaf.inside_bounds, Bounds::UNBOUNDED) };
         let kind = NodeKind::Leaf(prim_ix);
         let surface_bounds = leaf.surface_bounds;
-        Ok(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid: leaf.solid, is_difference: false })
+        Ok(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid: leaf.solid, is_difference: false, keeps_bounds: false })
     }
 
     /// The cover that a leaf gets; sets `TRANSPARENT`.

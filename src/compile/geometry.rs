@@ -65,6 +65,8 @@ pub mod prim_flags {
     pub const INSIDE_ONLY: u32 = 1 << 12;
     /// Some texture of it looks at (u, v) although the object does not map all of it.
     pub const NEEDS_UV: u32 = 1 << 13;
+    /// Its object has `bounded_by` that must be asked.
+    pub const BOUNDED: u32 = 1 << 14;
     /// Flags that a ray may skip by.
     pub const SKIPPABLE: u32 = NO_SHADOW | NO_IMAGE | NO_REFLECTION | NO_RADIOSITY;
 }
@@ -160,6 +162,8 @@ pub struct ObjectRecord {
     pub visible: bool,
     /// Made of shapes that have an inside.
     pub solid: bool,
+    /// Objects that a ray must meet, or start in, to meet this one, into [`Geometry::bounding_objects`].
+    pub bounded_by: std::ops::Range<u32>,
     /// What cut surfaces without a texture show, into [`Geometry::cutaway_parts`].
     pub cutaway: std::ops::Range<u32>,
 }
@@ -179,6 +183,8 @@ pub struct Geometry {
     pub surfaces: Vec<Surface>,
     /// Steps of clip and inside programs.
     pub clip_steps: Vec<InsideStep>,
+    /// Hidden objects of `bounded_by`, into [`Geometry::objects`].
+    pub bounding_objects: Vec<u32>,
     /// Parts of objects with `cutaway_textures`: where it shows, and its cover.
     pub cutaway_parts: Vec<(InsideProgram, u32)>,
     /// Boxes that programs look at.

@@ -33,6 +33,8 @@ pub(super) struct Node {
     pub prims: Range<u32>,
     /// Some of it has an inside.
     pub solid: bool,
+    /// Its `bounded_by` must be asked exactly, not by its box alone.
+    pub keeps_bounds: bool,
     /// Only the first child counts for cutaway textures.
     pub is_difference: bool,
 }

@@ -57,6 +57,9 @@ impl Geometry {
         for (k, o) in self.objects.iter().enumerate() {
             self.validate_program(o.inside)?;
             check(!o.visible || (o.interior_ix != NONE && (o.interior_ix as usize) < n_interiors), &|| format!("object {k}: no interior"))?;
+            let bounds = self.bounding_objects.get(o.bounded_by.start as usize..o.bounded_by.end as usize);
+            let hidden = |b: &u32| self.objects.get(*b as usize).is_some_and(|o| !o.visible);
+            check(bounds.is_some_and(|b| b.iter().all(hidden)), &|| format!("object {k}: bounding objects out of range"))?;
             check((o.cutaway.end as usize) <= self.cutaway_parts.len(), &|| format!("object {k}: cutaway parts out of range"))?;
         }
         let mut listed: Vec<u32> = self.bounded.iter().chain(&self.unbounded).copied().collect();

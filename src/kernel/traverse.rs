@@ -3,7 +3,7 @@
 //! Ray directions are unit: depths are world lengths.
 
 use super::SurfaceHit;
-use super::inside::run_program;
+use super::inside::{inside_object, run_program};
 use super::intersect::{HitSink, LocalRay, Part, intersect_shape, shape_uv, world_normal};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{Geometry, InsideProgram, Prim, prim_flags};
@@ -104,6 +104,15 @@ fn blocks(scene: &CompiledScene, prim_ix: u32, ray: &Ray, t_min: f64, t_max: f64
     any.prim_ix != u32::MAX
 }
 
+/// Whether a ray meets, or starts in, every bounding object of an object.
+fn meets_bounds(scene: &CompiledScene, object_ix: u32, ray: &Ray) -> bool {
+    let g = &scene.geometry;
+    let range = &g.objects[object_ix as usize].bounded_by;
+    g.bounding_objects[range.start as usize..range.end as usize]
+        .iter()
+        .all(|b| inside_object(scene, *b, ray.origin) || intersect_object(scene, *b, ray, 0.0, f64::INFINITY).is_some())
+}
+
 /// Tests the primitives that the ray may meet: those without bounds first, then the tree's, near ones first.
 fn for_candidates(g: &Geometry, nearest: &mut Nearest, mut test: impl FnMut(&mut Nearest, u32)) {
     for prim_ix in &g.unbounded {
@@ -160,6 +169,8 @@ pub(super) struct Nearest<'a> {
     /// Primitives tested last: trees may offer one again and again.
     recent: [u32; 8],
     n_tested: usize,
+    /// Object whose bounds were asked last, and the answer.
+    bounds_asked: (u32, bool),
     // The primitive under test.
     prim: u32,
     clip: InsideProgram,
@@ -178,6 +189,7 @@ impl<'a> Nearest<'a> {
             stop_at_first: false,
             recent: [u32::MAX; 8],
             n_tested: 0,
+            bounds_asked: (u32::MAX, true),
             prim: u32::MAX,
             clip: InsideProgram::default(),
             per_local: 1.0,
@@ -193,17 +205,25 @@ impl<'a> Nearest<'a> {
         self.n_tested += 1;
         let g = &self.scene.geometry;
         let prim: &Prim = &g.prims[prim_ix as usize];
+        if prim.flags & prim_flags::BOUNDED != 0 {
+            if self.bounds_asked.0 != prim.object_ix {
+                self.bounds_asked = (prim.object_ix, meets_bounds(self.scene, prim.object_ix, self.ray));
+            }
+            if !self.bounds_asked.1 {
+                return;
+            }
+        }
         self.prim = prim_ix;
         self.clip = InsideProgram { start: prim.clip_start, len: prim.clip_len };
         let local = if prim.transform_ix == 0 {
             self.per_local = 1.0;
-            LocalRay { origin: self.ray.origin, dir: self.ray.dir }
+            LocalRay { origin: self.ray.origin, dir: self.ray.dir, scale: 1.0 }
         } else {
             let t = &g.transforms[prim.transform_ix as usize];
             let dir = t.inverse_vector(self.ray.dir);
             let len = dir.length();
             self.per_local = 1.0 / len;
-            LocalRay { origin: t.inverse_point(self.ray.origin), dir: dir / len }
+            LocalRay { origin: t.inverse_point(self.ray.origin), dir: dir / len, scale: len }
         };
         intersect_shape(self.scene, prim, &local, self);
     }

@@ -30,7 +30,7 @@ thread_local! {
 pub fn intersect_blob(s: &BlobShape, ray: &LocalRay, all: bool, sink: &mut impl HitSink) {
     // Start near the blob: quartics far from their zero lose digits.
     let Some((start, end)) = box_interval(&s.bounds, ray) else { return };
-    let moved = LocalRay { origin: ray.at(start), dir: ray.dir };
+    let moved = LocalRay { origin: ray.at(start), ..*ray };
     EVENTS.with_borrow_mut(|events| {
         events.clear();
         for e in &s.elements {

@@ -61,7 +61,8 @@ fn in_container(c: &Container, p: DVec3) -> bool {
 /// Hits of an isosurface; `f` gives the function's value at a point of shape space.
 pub fn intersect_isosurface(s: &IsosurfaceShape, ray: &LocalRay, f: &impl Fn(DVec3) -> f64, sink: &mut impl HitSink) {
     let Some((near, near_face, far, far_face)) = container_interval(&s.container, ray) else { return };
-    let a = s.accuracy;
+    // Depths are compared in world units, slopes in units of shape space.
+    let a = s.accuracy * ray.scale;
     let (mut t_min, t_max) = (near.max(0.0), far.min(MAX_DISTANCE));
     let value = |t: f64| f(ray.at(t)) - s.threshold;
     let mut g = s.max_gradient;
@@ -80,7 +81,7 @@ pub fn intersect_isosurface(s: &IsosurfaceShape, ray: &LocalRay, f: &impl Fn(DVe
                 sign = -1.0;
             }
         } else {
-            if at_start < 4.0 * g * a {
+            if at_start < 4.0 * g * s.accuracy {
                 t_min += 5.0 * a;
                 if value(t_min) < 0.0 {
                     sign = -1.0;
@@ -97,7 +98,7 @@ pub fn intersect_isosurface(s: &IsosurfaceShape, ray: &LocalRay, f: &impl Fn(DVe
         if s.open && f_min * sign < 0.0 {
             sign = -sign;
         }
-        let Some(t) = first_root(s, &value, t_min, f_min * sign, t_max, sign, &mut g, &mut budget) else { return };
+        let Some(t) = first_root(s, a, &value, t_min, f_min * sign, t_max, sign, &mut g, &mut budget) else { return };
         if t > EPSILON {
             sink.push(t, Part::side(SURFACE));
         }
@@ -114,6 +115,7 @@ pub fn intersect_isosurface(s: &IsosurfaceShape, ray: &LocalRay, f: &impl Fn(DVe
 /// end of the last interval.
 fn first_root(
     s: &IsosurfaceShape,
+    accuracy: f64,
     value: &impl Fn(f64) -> f64,
     t_min: f64,
     f_min: f64,
@@ -136,7 +138,7 @@ fn first_root(
                 *g = slope * p1 * p1;
             }
         }
-        if len < s.accuracy || n == ends.len() {
+        if len < accuracy || n == ends.len() {
             if f2 < 0.0 {
                 return Some(t2);
             }

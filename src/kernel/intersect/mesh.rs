@@ -84,7 +84,7 @@ pub fn inside_mesh(s: &MeshShape, p: DVec3) -> bool {
     if p.cmplt(s.bounds.min).any() || p.cmpgt(s.bounds.max).any() {
         return false;
     }
-    let ray = LocalRay { origin: p, dir };
+    let ray = LocalRay { origin: p, dir, scale: 1.0 };
     let sheared = ShearedRay::new(&ray);
     CROSSED.with_borrow_mut(|crossed| {
         crossed.clear();

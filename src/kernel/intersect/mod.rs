@@ -53,6 +53,8 @@ pub struct LocalRay {
     pub origin: DVec3,
     /// Unit.
     pub dir: DVec3,
+    /// Local length of a world unit along the ray.
+    pub scale: f64,
 }
 
 impl LocalRay {
