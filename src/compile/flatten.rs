@@ -514,7 +514,17 @@ impl<'a> Flattener<'a> {
             (false, true) => NodeKind::Merge(list),
             (false, false) => NodeKind::Any(list),
         };
-        Some(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid, is_difference: false, keeps_bounds: false })
+        Some(Node {
+            kind,
+            clips: Vec::new(),
+            bounds,
+            cobounds,
+            surface_bounds,
+            prims: 0..0,
+            solid,
+            is_difference: false,
+            keeps_bounds: false,
+        })
     }
 
     /// A text: a plain union of its letters.
@@ -573,7 +583,17 @@ impl<'a> Flattener<'a> {
         let (bounds, cobounds) = if inverted { (Bounds::UNBOUNDED, leaf.inside_bounds) } else { (leaf.inside_bounds, Bounds::UNBOUNDED) };
         let kind = NodeKind::Leaf(prim_ix);
         let surface_bounds = leaf.surface_bounds;
-        Ok(Node { kind, clips: Vec::new(), bounds, cobounds, surface_bounds, prims: 0..0, solid: leaf.solid, is_difference: false, keeps_bounds: false })
+        Ok(Node {
+            kind,
+            clips: Vec::new(),
+            bounds,
+            cobounds,
+            surface_bounds,
+            prims: 0..0,
+            solid: leaf.solid,
+            is_difference: false,
+            keeps_bounds: false,
+        })
     }
 
     /// The cover that a leaf gets; sets `TRANSPARENT`.
