@@ -13,6 +13,7 @@ use crate::kernel::{PatternPoint, SurfaceHit};
 use crate::math::color::grey;
 use crate::math::{DVec3, EPSILON, Rgb, Rgbft, Vec3};
 use crate::scene::Finish;
+use std::cell::Cell;
 
 /// Everything about a hit that its layers share.
 pub(super) struct HitContext<'h> {
@@ -24,6 +25,8 @@ pub(super) struct HitContext<'h> {
     /// First of the hit's entries in `Tracer::lit`.
     pub lit_base: usize,
     pub weight: f64,
+    /// The normal that slope and aoi look at: the last bent one, wherever in the hit's textures that was (measured).
+    pub seen: Cell<DVec3>,
 }
 
 /// A mirror of a layer, traced after the layers.
@@ -57,7 +60,7 @@ impl Tracer<'_> {
         let normal = if from_inside { -hit.normal } else { hit.normal };
         let lit_base = self.lit.len();
         self.lit.resize(lit_base + self.plan.global_lights.len(), None);
-        let ctx = HitContext { ray: r, hit, prim, normal, lit_base, weight };
+        let ctx = HitContext { ray: r, hit, prim, normal, lit_base, weight, seen: Cell::new(normal) };
         let covers = cover::covers_at(self.scene, hit, from_inside, self.adc_bailout);
         let (mut rgb, mut transmit) = (Vec3::ZERO, 0.0);
         for k in 0..covers.len() {
@@ -75,7 +78,7 @@ impl Tracer<'_> {
 
     fn shade_cover(&mut self, ctx: &HitContext, cover: Cover) -> (Rgb, f32) {
         let p = cover::pattern_point(self.scene, ctx.hit, ctx.prim, &cover, ctx.normal, ctx.ray.ray.dir);
-        self.shade_texture(ctx, cover.texture, &p, &Space::of_cover(&cover), ctx.weight)
+        self.shade_texture(ctx, cover.texture, &p, &Space::of_cover(&cover, &ctx.seen), ctx.weight)
     }
 
     fn shade_texture(&mut self, ctx: &HitContext, texture: u32, p: &PatternPoint, space: &Space, weight: f64) -> (Rgb, f32) {
@@ -87,8 +90,8 @@ impl Tracer<'_> {
             }
             TextureNode::Principled(ix) => self.shade_principled(ctx, *ix, p, weight),
             node => {
-                let parts = cover::blend(scene, node, p);
-                let inner = Space { parent: Some(space), step: parts.step };
+                let parts = cover::blend(scene, node, p, space);
+                let inner = Space { parent: Some(space), step: parts.step, seen: space.seen };
                 let (mut rgb, mut transmit) = (Vec3::ZERO, 0.0);
                 for k in 0..parts.entries.len() {
                     let (texture, share) = parts.entries.get(k);
@@ -116,14 +119,14 @@ impl Tracer<'_> {
         let mut indirect = [None; 2];
         for (nth, k) in (start..start + len).rev().enumerate() {
             let layer = scene.textures.layers[k as usize];
-            let (mut normal, mut seen) = (ctx.normal, ctx.normal);
+            let mut normal = ctx.normal;
             if quality.normals && layer.normal != crate::compile::NONE {
-                (normal, seen) = cover::perturb(scene, layer.normal, normal, p, space);
+                normal = cover::perturb(scene, layer.normal, normal, p, space);
             }
             if nth == 0 {
                 out.top_normal = normal;
             }
-            let at = PatternPoint { normal: seen, ..*p };
+            let at = PatternPoint { normal: space.seen.get(), ..*p };
             let found = cover::layer_color(scene, layer.pigment, &at, quality.quick_colors);
             let color = found.unwrap_or(Rgbft::CLEAR);
             if !quality.lights {

@@ -92,11 +92,12 @@ impl Tracer<'_> {
         let normal = if from_inside { -hit.normal } else { hit.normal };
         let covers = cover::covers_at(scene, hit, from_inside, self.adc_bailout);
         let interior = &scene.interiors[prim.interior_ix as usize];
+        let seen = std::cell::Cell::new(normal);
         let mut sum = Vec3::ZERO;
         for k in 0..covers.len() {
             let (c, weight) = covers.get(k);
             let p = cover::pattern_point(scene, hit, prim, &c, normal, ray.dir);
-            sum += weight * self.texture_filter(c.texture, &p, &cover::Space::of_cover(&c), ray.dir, interior.caustics);
+            sum += weight * self.texture_filter(c.texture, &p, &cover::Space::of_cover(&c, &seen), ray.dir, interior.caustics);
         }
         if interior.fade_power > 0.0 && around.position(prim.interior_ix).is_some() {
             sum *= fade_factor(interior, hit.t);
@@ -111,11 +112,11 @@ impl Tracer<'_> {
                 let mut product = Vec3::ONE;
                 for k in (*start..*start + *len).rev() {
                     let layer = scene.textures.layers[k as usize];
-                    let (mut normal, mut seen) = (p.normal, p.normal);
+                    let mut normal = p.normal;
                     if self.plan.quality.normals && layer.normal != NONE {
-                        (normal, seen) = cover::perturb(scene, layer.normal, normal, p, space);
+                        normal = cover::perturb(scene, layer.normal, normal, p, space);
                     }
-                    let at = PatternPoint { normal: seen, ..*p };
+                    let at = PatternPoint { normal: space.seen.get(), ..*p };
                     let color = cover::layer_color(scene, layer.pigment, &at, self.plan.quality.quick_colors).unwrap_or(Rgbft::CLEAR);
                     product *= color.transmittance();
                     if caustics != 0.0 {
@@ -126,8 +127,8 @@ impl Tracer<'_> {
             }
             TextureNode::Principled(ix) => self.principled_filter(*ix, p),
             node => {
-                let parts = cover::blend(scene, node, p);
-                let inner = cover::Space { parent: Some(space), step: parts.step };
+                let parts = cover::blend(scene, node, p, space);
+                let inner = cover::Space { parent: Some(space), step: parts.step, seen: space.seen };
                 (0..parts.entries.len()).fold(Vec3::ZERO, |sum, k| {
                     let (texture, share) = parts.entries.get(k);
                     sum + share * self.texture_filter(texture, &parts.point, &inner, dir, caustics)

@@ -12,6 +12,7 @@ use crate::kernel::{PatternPoint, SurfaceHit};
 use crate::math::noise::turbulence;
 use crate::math::{DVec3, Rgbft};
 use crate::scene::{BlendMap, Finish, Fog};
+use std::cell::Cell;
 
 /// A texture of a hit and the space it stands in.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,6 +55,8 @@ pub(super) fn pattern_point(
 pub(super) struct Space<'s> {
     pub parent: Option<&'s Space<'s>>,
     pub step: SpaceStep,
+    /// The normal that slope and aoi look at, shared by all textures of a hit.
+    pub seen: &'s Cell<DVec3>,
 }
 
 /// One step of it.
@@ -65,9 +68,9 @@ pub(super) enum SpaceStep {
     Pattern(u32),
 }
 
-impl Space<'_> {
-    pub fn of_cover(cover: &Cover) -> Self {
-        Space { parent: None, step: SpaceStep::Transform(cover.transform_ix) }
+impl<'s> Space<'s> {
+    pub fn of_cover(cover: &Cover, seen: &'s Cell<DVec3>) -> Self {
+        Space { parent: None, step: SpaceStep::Transform(cover.transform_ix), seen }
     }
 }
 
@@ -79,20 +82,22 @@ pub(super) struct Parts {
 }
 
 /// The parts of a patterned texture at a point.
-pub(super) fn blend(scene: &CompiledScene, node: &TextureNode, p: &PatternPoint) -> Parts {
+pub(super) fn blend(scene: &CompiledScene, node: &TextureNode, p: &PatternPoint, space: &Space) -> Parts {
     let mut entries = InlineVec::default();
-    let point = for_texture_parts(scene, node, p, |texture, share| entries.push((texture, share)));
+    let point =
+        for_texture_parts(scene, node, &PatternPoint { normal: space.seen.get(), ..*p }, |texture, share| entries.push((texture, share)));
     let pattern = choosing_pattern(node).expect("plain textures are shaded, not blended");
-    Parts { entries, point, step: SpaceStep::Pattern(pattern) }
+    Parts { entries, point: PatternPoint { normal: p.normal, ..point }, step: SpaceStep::Pattern(pattern) }
 }
 
-/// A layer's normal, taken through the spaces around the layer and back: in the world, and as the patterns slope and aoi see it, which
-/// is in the space inside the patterned textures around it (measured).
-pub(super) fn perturb(scene: &CompiledScene, normal_ix: u32, normal: DVec3, p: &PatternPoint, space: &Space) -> (DVec3, DVec3) {
+/// A layer's normal (world space), taken through the spaces around the layer and back. The patterns slope and aoi see it as it is
+/// inside the patterned textures around it (measured).
+pub(super) fn perturb(scene: &CompiledScene, normal_ix: u32, normal: DVec3, p: &PatternPoint, space: &Space) -> DVec3 {
     let inner = perturb_normal(scene, normal_ix, into_space(scene, space, normal), p);
     let outer = out_of_space(scene, space, inner);
     let outer = outer.try_normalize().unwrap_or(normal);
-    (outer, if space.parent.is_some() { inner.try_normalize().unwrap_or(normal) } else { outer })
+    space.seen.set(if space.parent.is_some() { inner.try_normalize().unwrap_or(normal) } else { outer });
+    outer
 }
 
 fn into_space(scene: &CompiledScene, space: &Space, n: DVec3) -> DVec3 {
