@@ -197,8 +197,8 @@ pub enum CompileError {
 
 /// Compiles one object that is asked about before its scene is complete: a scene of that object alone, hidden and without covers,
 /// as object 0.
-pub fn compile_object(object: &crate::scene::Object, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::default(), usize::MAX, AccelKind::Auto, sink);
+pub fn compile_object(object: &crate::scene::Object, settings: &Settings, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, sink);
     flattener.add_hidden(object)?;
     finish(flattener, &Scene::default(), &CompileOptions::default())
 }

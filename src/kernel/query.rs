@@ -20,6 +20,7 @@ const KEPT: usize = 256;
 /// The kernel as [`SceneQuery`]; keeps what it compiles, so that asking again is cheap.
 #[derive(Debug, Default)]
 pub struct KernelQuery {
+    noise: Mutex<(u8, u32)>,
     objects: Kept<Object, CompiledScene>,
     functions: Kept<Function, (CompiledScene, u32)>,
     pigments: Kept<Pigment, (CompiledScene, u32)>,
@@ -39,6 +40,10 @@ impl<K, C> Default for Kept<K, C> {
 }
 
 impl<K, C> Kept<K, C> {
+    fn clear(&self) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
     /// What was compiled of `part`, now or before. What cannot be compiled is said when the scene is; here it is not there.
     fn get(&self, part: &Arc<K>, compile: impl FnOnce() -> Option<Arc<C>>) -> Option<Arc<C>> {
         let address = Arc::as_ptr(part) as usize;
@@ -61,12 +66,31 @@ impl KernelQuery {
         Self::default()
     }
 
+    fn settings(&self) -> Settings {
+        let noise = self.noise.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut settings = Settings::default();
+        if noise.0 != 0 {
+            (settings.noise_generator, settings.number_of_waves) = *noise;
+        }
+        settings
+    }
+
     fn compiled(&self, object: &Arc<Object>) -> Option<Arc<CompiledScene>> {
-        self.objects.get(object, || compile_object(object, &mut Sink::default()).ok().map(Arc::new))
+        self.objects.get(object, || compile_object(object, &self.settings(), &mut Sink::default()).ok().map(Arc::new))
     }
 }
 
 impl SceneQuery for KernelQuery {
+    fn use_noise(&self, generator: u8, number_of_waves: u32) {
+        let mut noise = self.noise.lock().unwrap_or_else(PoisonError::into_inner);
+        if *noise != (generator, number_of_waves) {
+            *noise = (generator, number_of_waves);
+            self.objects.clear();
+            self.functions.clear();
+            self.pigments.clear();
+        }
+    }
+
     fn trace(&self, object: &Arc<Object>, ray: &Ray) -> Option<(DVec3, DVec3)> {
         let g = self.compiled(object)?;
         if !(ray.origin.is_finite() && ray.dir.is_finite()) {
@@ -86,7 +110,7 @@ impl SceneQuery for KernelQuery {
     }
 
     fn call(&self, function: &Arc<Function>, args: &[f64]) -> ([f64; 5], usize) {
-        let compile = || compile_function(function, &Settings::default(), &mut Sink::default()).ok().map(Arc::new);
+        let compile = || compile_function(function, &self.settings(), &mut Sink::default()).ok().map(Arc::new);
         match self.functions.get(function, compile) {
             Some(f) => call_function_all(&f.0, f.1, args),
             None => ([0.0; 5], 1),
@@ -94,7 +118,7 @@ impl SceneQuery for KernelQuery {
     }
 
     fn pigment(&self, pigment: &Arc<Pigment>, point: DVec3) -> Rgbft {
-        let compile = || compile_pigment(pigment, &Settings::default(), &mut Sink::default()).ok().map(Arc::new);
+        let compile = || compile_pigment(pigment, &self.settings(), &mut Sink::default()).ok().map(Arc::new);
         let found = self.pigments.get(pigment, compile).and_then(|p| eval_pigment(&p.0, p.1, &free_point(point)));
         found.unwrap_or(Rgbft::BLACK)
     }

@@ -11,6 +11,8 @@ use std::sync::Arc;
 
 /// Answers about objects, functions and pigments that are not part of a compiled scene yet.
 pub trait SceneQuery {
+    /// Says which noise generator and how many wave sources hold from here on; both may change while a scene is read.
+    fn use_noise(&self, _generator: u8, _number_of_waves: u32) {}
     /// Nearest hit of a ray (unit direction) with an object: point and unit normal, inversion applied, not turned to the viewer.
     fn trace(&self, object: &Arc<Object>, ray: &Ray) -> Option<(DVec3, DVec3)>;
     /// Whether a point is inside; `None` when the object has no inside (patches, meshes without inside_vector).

@@ -477,6 +477,7 @@ impl Parser<'_> {
             return Err(self.error(format!("Your scene file requires POV-Ray version {value} or later!")));
         }
         self.version = version.max(0.0) as u32;
+        self.noise_changed();
         self.version_set = true;
         Ok(())
     }

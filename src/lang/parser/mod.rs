@@ -140,6 +140,7 @@ pub struct Parser<'a> {
     version: u32,
     version_set: bool,
     gamma_set: bool,
+    noise_set: bool,
     defaults: Defaults,
     camera_set: bool,
     n_objects: usize,
@@ -187,6 +188,7 @@ impl<'a> Parser<'a> {
             version: options.version.unwrap_or(370),
             version_set: options.version.is_some(),
             gamma_set: false,
+            noise_set: false,
             defaults: Defaults {
                 pigment: Arc::new(Pigment::solid(crate::math::Rgbft::BLACK)),
                 normal: None,

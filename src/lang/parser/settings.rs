@@ -50,7 +50,13 @@ impl Parser<'_> {
                     }
                     Kw::NoiseGenerator => {
                         p.next()?;
-                        p.scene.settings.noise_generator = p.parse_noise_generator()?;
+                        let n = p.parse_noise_generator()?;
+                        if n == 0 {
+                            return Err(p.error("Value for noise_generator in global_settings must be 1, 2, or 3."));
+                        }
+                        p.scene.settings.noise_generator = n;
+                        p.noise_set = true;
+                        p.noise_changed();
                     }
                     Kw::NumberOfWaves => {
                         p.next()?;
@@ -59,6 +65,7 @@ impl Parser<'_> {
                             p.warn("Parse Warning: Illegal Value: number_of_waves must be at least 1. Changed to 1.");
                         }
                         p.scene.settings.number_of_waves = n.clamp(1, 100_000) as u32;
+                        p.noise_changed();
                     }
                     Kw::Charset => {
                         p.next()?;
@@ -108,6 +115,15 @@ impl Parser<'_> {
         self.gamma_set = true;
         self.scene.settings.gamma = gamma;
         Ok(())
+    }
+
+    /// After a change of what noise is made of: the settings, or the language version where the settings say nothing (measured: the
+    /// version in force decides, below 3.5 it is generator 1).
+    pub(super) fn noise_changed(&mut self) {
+        if !self.noise_set {
+            self.scene.settings.noise_generator = if self.version < 350 { 1 } else { 2 };
+        }
+        self.query.use_noise(self.scene.settings.noise_generator, self.scene.settings.number_of_waves);
     }
 
     pub(super) fn parse_noise_generator(&mut self) -> PResult<u8> {
