@@ -4,7 +4,8 @@
 //! its clip program and its bounds from the nodes above it. Source: spec/objects.md, section 13.
 
 use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, PrimKind, Surface, prim_flags};
-use super::leaf::{Leaf, LeafTables, NoLeaf, add_glyph, add_leaf};
+use super::extent::pov_extent_in;
+use super::leaf::{Leaf, LeafTables, NoLeaf, add_glyph, add_leaf, padded};
 use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
 use super::tables::{SurfaceTable, TransformTable};
 use super::texture::TextureBuilder;
@@ -311,6 +312,7 @@ impl<'a> Flattener<'a> {
             visible: role == Role::Visible,
             solid: false,
             bounded_by: 0..0,
+            cull_box: None,
             cutaway: 0..0,
         };
         let mut keeps_bounds = false;
@@ -332,6 +334,12 @@ impl<'a> Flattener<'a> {
                 let leaf = self.geometry.bounds[k];
                 if leaf.is_empty() { b } else { b.union(leaf) }
             });
+        }
+        if root.is_some_and(|r| !matches!(self.nodes[r].kind, NodeKind::Leaf(_))) {
+            record.cull_box = self.cull_box(object, &entered, &record.bounds);
+        }
+        if record.cull_box.is_some() {
+            self.flag_bounded(record.prims.clone());
         }
         self.geometry.objects.push(record);
         if keeps_bounds {
@@ -471,10 +479,25 @@ impl<'a> Flattener<'a> {
         self.geometry.bounding_objects.extend(list);
         let record = &mut self.geometry.objects[object_ix as usize];
         record.bounded_by = start..self.geometry.bounding_objects.len() as u32;
-        for p in &mut self.geometry.prims[record.prims.start as usize..record.prims.end as usize] {
+        let prims = record.prims.clone();
+        self.flag_bounded(prims);
+        Ok(())
+    }
+
+    fn flag_bounded(&mut self, prims: std::ops::Range<u32>) {
+        for p in &mut self.geometry.prims[prims.start as usize..prims.end as usize] {
             p.flags |= prim_flags::BOUNDED;
         }
-        Ok(())
+    }
+
+    /// POV-Ray's box of a CSG where it leaves out some of the surface. POV-Ray looks at boxes from three objects on.
+    fn cull_box(&self, object: &Object, entered: &Inherited, surface: &Bounds) -> Option<Bounds> {
+        if self.n_top_level < 3 || surface.is_empty() {
+            return None;
+        }
+        let b = padded(pov_extent_in(object, &entered.to_world));
+        let holds = b.min.cmple(surface.min).all() && b.max.cmpge(surface.max).all();
+        (!b.is_unbounded() && !holds).then_some(b)
     }
 
     /// `bounded_by`: a ray that misses the bounds' box misses the object. POV-Ray takes bounds off simple finite objects, but for the box

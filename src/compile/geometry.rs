@@ -65,7 +65,7 @@ pub mod prim_flags {
     pub const INSIDE_ONLY: u32 = 1 << 12;
     /// Some texture of it looks at (u, v) although the object does not map all of it.
     pub const NEEDS_UV: u32 = 1 << 13;
-    /// Its object has `bounded_by` that must be asked.
+    /// Its object has `bounded_by` or `cull_box`, which must be asked.
     pub const BOUNDED: u32 = 1 << 14;
     /// Flags that a ray may skip by.
     pub const SKIPPABLE: u32 = NO_SHADOW | NO_IMAGE | NO_REFLECTION | NO_RADIOSITY;
@@ -164,6 +164,9 @@ pub struct ObjectRecord {
     pub solid: bool,
     /// Objects that a ray must meet, or start in, to meet this one, into [`Geometry::bounding_objects`].
     pub bounded_by: std::ops::Range<u32>,
+    /// A box that a ray must meet although the object's surface may lie outside: POV-Ray's own box is too small for some CSG
+    /// (discs in intersections, inverted parts), and its pictures show that.
+    pub cull_box: Option<Bounds>,
     /// What cut surfaces without a texture show, into [`Geometry::cutaway_parts`].
     pub cutaway: std::ops::Range<u32>,
 }

@@ -104,10 +104,14 @@ fn blocks(scene: &CompiledScene, prim_ix: u32, ray: &Ray, t_min: f64, t_max: f64
     any.prim_ix != u32::MAX
 }
 
-/// Whether a ray meets, or starts in, every bounding object of an object.
+/// Whether a ray meets, or starts in, the box and every bounding object of an object.
 fn meets_bounds(scene: &CompiledScene, object_ix: u32, ray: &Ray) -> bool {
     let g = &scene.geometry;
-    let range = &g.objects[object_ix as usize].bounded_by;
+    let object = &g.objects[object_ix as usize];
+    if object.cull_box.is_some_and(|b| !Slabs::new(ray).hits(&b, f64::INFINITY)) {
+        return false;
+    }
+    let range = &object.bounded_by;
     g.bounding_objects[range.start as usize..range.end as usize]
         .iter()
         .all(|b| inside_object(scene, *b, ray.origin) || intersect_object(scene, *b, ray, 0.0, f64::INFINITY).is_some())

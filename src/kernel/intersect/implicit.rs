@@ -72,24 +72,23 @@ pub fn intersect_isosurface(s: &IsosurfaceShape, ray: &LocalRay, f: &impl Fn(DVe
         }
     }
     let (mut sign, mut n_found) = (1.0, 0);
-    if !s.open {
-        let at_start = value(t_min);
-        if near > a {
-            if at_start < 0.0 {
-                sink.push(near, Part::side(near_face));
-                n_found += 1;
+    if near > a {
+        if !s.open && value(t_min) < 0.0 {
+            sink.push(near, Part::side(near_face));
+            n_found += 1;
+            sign = -1.0;
+        }
+    } else {
+        // A ray that starts at the surface must not meet it again.
+        let f = value(t_min);
+        if (if s.open { f.abs() } else { f }) < 4.0 * g * s.accuracy {
+            t_min += 5.0 * a;
+            if value(t_min) < 0.0 {
                 sign = -1.0;
             }
-        } else {
-            if at_start < 4.0 * g * s.accuracy {
-                t_min += 5.0 * a;
-                if value(t_min) < 0.0 {
-                    sign = -1.0;
-                }
-            }
-            if value(t_max) < 0.0 {
-                sink.push(t_max, Part::side(far_face));
-            }
+        }
+        if !s.open && value(t_max) < 0.0 {
+            sink.push(t_max, Part::side(far_face));
         }
     }
     let mut budget = MAX_EVALUATIONS;
