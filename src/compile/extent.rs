@@ -97,7 +97,9 @@ fn cut_extent(object: &Object, tables: &mut LeafTables) -> Bounds {
             }
             b
         }
-        Shape::Quadric { coefficients } if is_square(coefficients) => super::shape::QuadricShape { c: *coefficients }.bounds().transformed(t),
+        Shape::Quadric { coefficients } if is_square(coefficients) => {
+            super::shape::QuadricShape { c: *coefficients }.bounds().transformed(t)
+        }
         _ => extent(object, tables),
     }
 }

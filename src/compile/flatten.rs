@@ -3,8 +3,8 @@
 //! First the object's tree becomes `Node`s whose leaves are primitives (inversions pushed down, De Morgan); then every leaf gets
 //! its clip program and its bounds from the nodes above it. Source: spec/objects.md, section 13.
 
-use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, PrimKind, Surface, prim_flags};
 use super::extent::pov_extent_in;
+use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, PrimKind, Surface, prim_flags};
 use super::leaf::{Leaf, LeafTables, NoLeaf, add_glyph, add_leaf, padded};
 use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
 use super::tables::{SurfaceTable, TransformTable};
