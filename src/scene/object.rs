@@ -97,7 +97,7 @@ impl Object {
     pub fn apply_transform(&mut self, t: &Transform) {
         self.transform = self.transform.then(t);
         if self.flags.uv_mapping != Some(true) {
-            for tex in [&mut self.texture, &mut self.interior_texture].into_iter().flatten().filter(|t| !t.is_on_uv()) {
+            for tex in [&mut self.texture, &mut self.interior_texture].into_iter().flatten() {
                 Arc::make_mut(tex).transform(t);
             }
         }

@@ -245,17 +245,13 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// Whether the whole texture sits on (u, v) and so does not follow its object.
-    pub fn is_on_uv(&self) -> bool {
-        matches!(self, Self::Map { uv_mapping: true, .. } | Self::Average { uv_mapping: true, .. })
-    }
-
     /// A layer of one colour with the default finish.
     pub fn solid(c: Rgbft) -> Self {
         Self::Layers(vec![TextureLayer { pigment: Arc::new(Pigment::solid(c)), normal: None, finish: Arc::new(Finish::default()) }])
     }
 
-    /// Moves the texture: every layer of a plain one, the choosing pattern of the others. What sits on (u, v) by its own word stays.
+    /// Moves the texture: every layer of a plain one, the choosing pattern of the others (where the texture sits
+    /// on (u, v) by its own word, that turns normals only, as measured).
     pub fn transform(&mut self, t: &Transform) {
         match self {
             Self::Layers(layers) => {

@@ -175,7 +175,8 @@ pub fn eval_internal(n: u32, point: DVec3, params: &[f64]) -> f64 {
                     let (s, c) = (TAU * f64::from(i) / p(0)).sin_cos();
                     (x - r * s).hypot(z - r * c)
                 })
-                .fold(f64::INFINITY, f64::min)
+                // Beyond this distance it stays the same (measured).
+                .fold(10_000.0, f64::min)
         }
         53 => {
             let r = 2.0 * q.sqrt();
