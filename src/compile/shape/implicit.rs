@@ -89,14 +89,17 @@ impl JuliaShape {
         if slice.w.abs() < 1e-10 {
             return None;
         }
+        // POV-Ray has no hypercomplex cube: it squares.
+        let function = if hypercomplex && function == JuliaFunction::Cube { JuliaFunction::Sqr } else { function };
         let (escape_sq, radius) = if hypercomplex {
             (16.0, 4.0)
         } else {
             let r = (1.0 + c.length() + 1e-7).min(2.0);
             (r * r + 1e-7, r)
         };
+        // The slice is unit as far as its distance goes.
         let w_slope = -slice.truncate() / slice.w;
         let precision = precision.max(1e-6);
-        Some(Self { c, hypercomplex, function, max_iteration, precision, w0: dist / slice.w, w_slope, escape_sq, radius })
+        Some(Self { c, hypercomplex, function, max_iteration, precision, w0: dist * slice.length() / slice.w, w_slope, escape_sq, radius })
     }
 }

@@ -7,8 +7,10 @@ use crate::math::complex::Complex;
 use crate::math::{DVec3, DVec4, MAX_DISTANCE};
 use crate::scene::shape::JuliaFunction;
 
-/// Hits nearer than this are not seen; bisection ends here.
+/// Rays start this far on, and bisection ends at this width.
 const TOLERANCE: f64 = 1e-7;
+/// Hits nearer than this are not seen. Measured by the shadows of objects/fractal3.pov.
+const NEAREST: f64 = 4e-7;
 /// Most steps along a ray.
 const MAX_STEPS: u32 = 2_000_000;
 
@@ -101,21 +103,23 @@ fn escapes(s: &JuliaShape, mut q: DVec4) -> bool {
     false
 }
 
-/// Whether the point is inside, and how far a ray may go on: |z| ln |z|² / |z'|, the derivative taken of one more step.
-fn look(s: &JuliaShape, p: DVec3) -> (bool, f64) {
+/// Whether the point is inside, and how far a ray along `dir` may go on. Quaternions: |z| ln |z|² / |z'|, the derivative taken of one
+/// more step. Measured: every hit of 1500 random rays.
+fn look(s: &JuliaShape, p: DVec3, dir: DVec3) -> (bool, f64) {
     let least = 1.0 / s.precision;
     let mut q = start(s, p);
     if s.hypercomplex {
-        let (mut pa, mut pb) = (Complex::ONE, Complex::ONE);
+        // A Newton step of |z|² towards 0 along the ray, if it is neither too short nor too long.
+        let mut d = dir.extend(s.w_slope.dot(dir));
         for _ in 0..s.max_iteration {
             let n = q.length_squared();
-            let (a, b) = parts(q);
-            let ((fa, da), (fb, db)) = (complex_step(&s.function, a), complex_step(&s.function, b));
-            (pa, pb) = (pa * da, pb * db);
             if !(n <= s.escape_sq) {
-                let d = 0.5 * n.sqrt() * n.ln() / whole(pa, pb).length();
-                return (false, if d > least && d < 30.0 * least { d } else { least });
+                let step = -n / (2.0 * q.dot(d));
+                return (false, if step > least && step < 30.0 * least { step } else { least });
             }
+            let ((a, b), (va, vb)) = (parts(q), parts(d));
+            let ((fa, da), (fb, db)) = (complex_step(&s.function, a), complex_step(&s.function, b));
+            d = whole(va * da, vb * db);
             q = whole(fa, fb) + s.c;
         }
         return (true, least);
@@ -145,23 +149,23 @@ pub fn intersect_julia(s: &JuliaShape, ray: &LocalRay, all: bool, sink: &mut imp
     if end < t {
         return;
     }
-    let (mut was_inside, mut ahead) = look(s, ray.at(t));
+    let (mut was_inside, mut ahead) = look(s, ray.at(t), ray.dir);
     for _ in 0..MAX_STEPS {
         let before = t;
         t += ahead;
         if t > end || t > MAX_DISTANCE || t > sink.far() + ahead {
             return;
         }
-        let (now_inside, next) = look(s, ray.at(t));
+        let (now_inside, next) = look(s, ray.at(t), ray.dir);
         if now_inside != was_inside {
-            // Halve back to where it changed.
+            // Halve back to where it changed; the hit is on the far side.
             let (mut low, mut high) = (before, t);
             while high - low > TOLERANCE {
                 let mid = 0.5 * (low + high);
                 if inside_julia(s, ray.at(mid)) == was_inside { low = mid } else { high = mid }
             }
-            let hit = 0.5 * (low + high);
-            if hit > TOLERANCE {
+            let hit = high;
+            if hit > NEAREST {
                 sink.push(hit, Part::default());
                 if !all {
                     return;
@@ -175,8 +179,8 @@ pub fn intersect_julia(s: &JuliaShape, ray: &LocalRay, all: bool, sink: &mut imp
 /// Gradient of the squared length after the last iteration.
 pub fn julia_normal(s: &JuliaShape, p: DVec3) -> DVec3 {
     let mut q = start(s, p);
-    // Derivatives along x, y and z, carried forward.
-    let mut d = [DVec3::X, DVec3::Y, DVec3::Z].map(|e| e.extend(s.w_slope.dot(e)));
+    // Derivatives along x, y and z, carried forward. That w follows them in a slanted slice is left out, as in POV-Ray.
+    let mut d = [DVec4::X, DVec4::Y, DVec4::Z];
     for _ in 0..s.max_iteration {
         if s.hypercomplex {
             let (a, b) = parts(q);
