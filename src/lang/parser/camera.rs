@@ -79,19 +79,16 @@ impl Parser<'_> {
     fn mesh_camera(&mut self) -> PResult<Projection> {
         self.block("mesh_camera", |p| {
             let n_rays = p.parse_int()?.clamp(1, 1 << 20) as u32;
-            p.comma()?;
             let distribution = p.parse_int()?;
             if !(0..=3).contains(&distribution) {
                 return Err(p.error("Mesh camera distribution type must be 0, 1, 2 or 3."));
             }
-            p.comma()?;
             let max_distance = if p.number_follows()? { p.parse_float()? } else { 0.0 };
             let (mut meshes, mut smooth) = (Vec::<Object>::new(), false);
             loop {
-                p.comma()?;
                 if p.accept_kw(Kw::Smooth)? {
                     smooth = true;
-                } else if let Some(o) = p.parse_object()? {
+                } else if let Some(o) = p.mesh_object()? {
                     meshes.push(o);
                 } else {
                     break;
@@ -102,6 +99,15 @@ impl Parser<'_> {
             }
             Ok(Projection::Mesh { n_rays, distribution: distribution as u8, max_distance, meshes, smooth })
         })
+    }
+
+    /// A mesh, if one is next.
+    fn mesh_object(&mut self) -> PResult<Option<Object>> {
+        let named = matches!(self.peek_value()?, Some(Value::Object(_)));
+        if !named && !matches!(self.peek_kw()?, Some(Kw::Mesh | Kw::Mesh2 | Kw::Object)) {
+            return Ok(None);
+        }
+        self.parse_object()
     }
 
     fn camera_items(&mut self, camera: &mut Camera, items: &mut Items) -> PResult<()> {
@@ -168,21 +174,29 @@ impl Parser<'_> {
                     let first = self.parse_int()?;
                     self.comma()?;
                     let second = if self.number_follows()? { Some(self.parse_int()?) } else { None };
-                    let (low, high) = second.map_or((0, first), |s| (first.min(s), first.max(s)));
+                    let (low, high) = second.map_or((0, first), |s| (first, s));
+                    if high < 1 {
+                        return Err(self.error("Illegal number of focal blur samples."));
+                    }
+                    if low > high {
+                        return Err(self.error("Focal blur samples minimum must not be larger than maximum."));
+                    }
                     items.samples = (low.clamp(0, 1 << 20) as u32, high.clamp(0, 1 << 20) as u32);
                 }
                 Kw::Confidence => {
                     self.next()?;
                     items.confidence = self.parse_float()?;
                     if !(items.confidence > 0.0 && items.confidence < 1.0) {
-                        return Err(self.error("Illegal confidence value."));
+                        self.warn("Parse Warning: Illegal confidence value. Default is used.");
+                        items.confidence = 0.9;
                     }
                 }
                 Kw::Variance => {
                     self.next()?;
                     items.variance = self.parse_float()?;
                     if !(0.0..=1.0).contains(&items.variance) {
-                        return Err(self.error("Illegal variance value."));
+                        self.warn("Parse Warning: Illegal variance value. Default is used.");
+                        items.variance = 1e-4;
                     }
                 }
                 Kw::Bokeh => {
@@ -245,10 +259,8 @@ impl Parser<'_> {
             self.look_at(&mut c, target, sky)?;
             focal_default = Some(c.direction.length());
         }
-        for (name, v) in [("direction", c.direction), ("right", c.right), ("up", c.up)] {
-            if !(v.length() > EPSILON) || !v.is_finite() {
-                return Err(self.error(format!("Camera {name} vector must not be zero-length.")));
-            }
+        if !(c.direction.is_finite() && c.right.is_finite() && c.up.is_finite() && c.location.is_finite()) {
+            return Err(self.error("Camera vectors must be finite."));
         }
         if matches!(c.projection, Projection::Orthographic) && (!given.0 || given.1) {
             let factor = (items.look_at.unwrap_or(DVec3::Z) - c.location).length() / c.direction.length();

@@ -15,7 +15,7 @@ impl Parser<'_> {
         while let Some(child) = self.parse_object()? {
             if op != Csg::Union
                 && op != Csg::Merge
-                && matches!(child.shape, Shape::Triangle { .. } | Shape::BicubicPatch { .. } | Shape::Polygon { .. })
+                && super::objects::is_patch(&child.shape)
             {
                 self.warn("Parse Warning: Patch objects not allowed in intersection.");
             }
@@ -23,7 +23,6 @@ impl Parser<'_> {
                 return Err(self.error(format!("A set has more than {} objects.", self.options.max_objects)));
             }
             children.push(child);
-            self.comma()?;
         }
         if children.len() < 2 {
             self.warn("Parse Warning: Should have at least 2 objects in csg.");
@@ -61,7 +60,6 @@ impl Parser<'_> {
                 }
                 _ => break,
             }
-            self.comma()?;
         }
         if components.is_empty() {
             return Err(self.error("No components in a blob."));
@@ -87,7 +85,7 @@ impl Parser<'_> {
         let strength = self.parse_float()?;
         // The element's modifiers are an object's.
         let mut o = Object::new(Shape::Sphere { center: DVec3::ZERO, radius: 1.0 });
-        self.object_modifiers(&mut o)?;
+        self.cover_modifiers(&mut o)?;
         Ok(BlobComponent { kind, strength, transform: o.transform, texture: o.texture })
     }
 
@@ -330,7 +328,11 @@ impl Parser<'_> {
                 }
                 Kw::Precompute => {
                     self.next()?;
-                    let n = self.parse_int()?.clamp(1, 20) as u32;
+                    let n = self.parse_int()?;
+                    if !(1..=20).contains(&n) {
+                        return Err(self.error("Precompute: invalid depth"));
+                    }
+                    let n = n as u32;
                     let mut axes = [false; 3];
                     self.comma()?;
                     while let Some(k @ (Kw::X | Kw::Y | Kw::Z)) = self.peek_kw()? {

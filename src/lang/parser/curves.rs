@@ -53,7 +53,8 @@ impl Parser<'_> {
         }
         let points = self.points(n)?;
         let inner = match kind {
-            CurveKind::Linear | CurveKind::Bezier => &points[..],
+            CurveKind::Linear => &points[..],
+            CurveKind::Bezier => &[],
             CurveKind::Quadratic => &points[1..],
             CurveKind::Cubic => &points[1..n - 1],
         };
@@ -106,7 +107,28 @@ impl Parser<'_> {
         }
         let points = self.points(n)?;
         let open = self.accept_kw(Kw::Open)?;
+        let closed = match kind {
+            CurveKind::Linear => is_closed(&points),
+            _ => true,
+        };
+        if !closed {
+            self.warn("Parse Warning: Linear prism not closed. Closing it.");
+        }
         Ok(Shape::Prism { kind, conic, low: a.min(b), high: a.max(b), points, open })
+    }
+
+    /// An ovoid: positive radii.
+    pub(super) fn parse_ovus(&mut self) -> PResult<Shape> {
+        let bottom = self.parse_float()?;
+        self.comma()?;
+        let top = self.parse_float()?;
+        if bottom < 0.0 || top < 0.0 {
+            return Err(self.error("Both Ovus radii must be positive."));
+        }
+        if top >= 2.0 * bottom {
+            self.warn("Possible Parse Error: Second radius of ovus should be less than twice the first one: it is a sphere.");
+        }
+        Ok(Shape::Ovus { bottom, top })
     }
 
     pub(super) fn parse_sphere_sweep(&mut self) -> PResult<Shape> {
@@ -145,4 +167,14 @@ impl Parser<'_> {
             }
         }
     }
+}
+
+/// Whether every part of a polygon returns to its first point.
+fn is_closed(points: &[DVec2]) -> bool {
+    let mut rest = points;
+    while let Some((first, tail)) = rest.split_first() {
+        let Some(end) = tail.iter().position(|p| (*p - *first).abs().max_element() < crate::math::EPSILON) else { return false };
+        rest = &tail[end + 1..];
+    }
+    true
 }

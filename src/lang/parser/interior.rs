@@ -17,12 +17,7 @@ impl Parser<'_> {
                 i = (**known).clone();
                 p.next()?;
             }
-            loop {
-                if let Some(t) = p.parse_transform()? {
-                    i.transform(&t);
-                    continue;
-                }
-                let Some(k) = p.peek_kw()? else { break };
+            while let Some(k) = p.peek_kw()? {
                 match k {
                     Kw::Ior => {
                         p.next()?;
@@ -34,7 +29,11 @@ impl Parser<'_> {
                     }
                     Kw::DispersionSamples => {
                         p.next()?;
-                        i.dispersion_samples = p.parse_int()?.clamp(2, 1024) as u32;
+                        let n = p.parse_int()?;
+                        if n < 2 {
+                            return Err(p.error("Dispersion samples minimum is 2."));
+                        }
+                        i.dispersion_samples = n.min(1024) as u32;
                     }
                     Kw::Caustics => {
                         p.next()?;
@@ -92,7 +91,7 @@ impl Parser<'_> {
     }
 
     fn media_items(&mut self, m: &mut Media) -> PResult<()> {
-        let count = |x: i64| x.clamp(1, 1 << 20) as u32;
+        const MOST: i64 = 1 << 20;
         loop {
             if let Some(t) = self.parse_transform()? {
                 m.transform(&t);
@@ -102,14 +101,24 @@ impl Parser<'_> {
             match k {
                 Kw::Intervals => {
                     self.next()?;
-                    m.intervals = count(self.parse_int()?);
+                    let n = self.parse_int()?;
+                    if n < 1 {
+                        return Err(self.error("At least one interval is needed in media."));
+                    }
+                    m.intervals = n.min(MOST) as u32;
                 }
                 Kw::Samples => {
                     self.next()?;
-                    let low = count(self.parse_int()?);
+                    let low = self.parse_int()?;
                     self.comma()?;
-                    let high = if self.number_follows()? { count(self.parse_int()?) } else { low };
-                    m.samples = (low, high.max(low));
+                    let high = if self.number_follows()? { self.parse_int()? } else { low };
+                    if low < 1 {
+                        return Err(self.error("At least one sample per interval is needed in media."));
+                    }
+                    if high < low {
+                        return Err(self.error("Maximum number of samples per interval smaller than minimum number."));
+                    }
+                    m.samples = (low.min(MOST) as u32, high.min(MOST) as u32);
                 }
                 Kw::Method => {
                     self.next()?;
@@ -129,7 +138,11 @@ impl Parser<'_> {
                 }
                 Kw::AaLevel => {
                     self.next()?;
-                    m.aa_level = self.parse_int()?.clamp(0, 30) as u32;
+                    let n = self.parse_int()?;
+                    if n < 1 {
+                        return Err(self.error("aa_level in media must be at least one."));
+                    }
+                    m.aa_level = n.min(30) as u32;
                 }
                 Kw::Collect => {
                     self.next()?;
@@ -146,6 +159,9 @@ impl Parser<'_> {
                 Kw::Confidence => {
                     self.next()?;
                     m.confidence = self.parse_float()?;
+                    if !(m.confidence > 0.0 && m.confidence < 1.0) {
+                        return Err(self.error("Illegal confidence value in media."));
+                    }
                 }
                 Kw::Variance => {
                     self.next()?;
@@ -161,7 +177,7 @@ impl Parser<'_> {
                 }
                 Kw::Density => {
                     self.next()?;
-                    let d = self.parse_pigment_block()?;
+                    let d = self.parse_density_block()?;
                     m.densities.push(d);
                 }
                 _ => return Ok(()),
@@ -172,14 +188,19 @@ impl Parser<'_> {
     fn media_scattering(&mut self, m: &mut Media) -> PResult<()> {
         self.block("scattering", |p| {
             let kind = p.parse_int()?;
-            if !(1..=5).contains(&kind) {
-                return Err(p.error("Scattering type must be 1 to 5."));
-            }
-            m.scattering_type = kind as u8;
             p.comma()?;
             m.scattering = p.parse_rgb()?;
+            if (1..=5).contains(&kind) {
+                m.scattering_type = kind as u8;
+            } else {
+                p.warn("Parse Warning: Unknown atmospheric scattering type: it is taken as isotropic.");
+                m.scattering_type = 1;
+            }
             loop {
                 if p.accept_kw(Kw::Eccentricity)? {
+                    if kind != 5 {
+                        return Err(p.error("Eccentricity cannot be used with this scattering type."));
+                    }
                     m.eccentricity = p.parse_float()?;
                 } else if p.accept_kw(Kw::Extinction)? {
                     m.extinction = p.parse_float()?;
@@ -218,9 +239,13 @@ impl Parser<'_> {
                 } else if p.accept_kw(Kw::Interior)? {
                     m.interior = Some(Arc::new(p.parse_interior(m.interior.clone())?));
                 } else {
-                    return Ok(m);
+                    break;
                 }
             }
+            if m.interior_texture.is_some() && m.texture.is_none() {
+                return Err(p.error("Interior texture requires an exterior texture."));
+            }
+            Ok(m)
         })
     }
 
@@ -241,9 +266,13 @@ impl Parser<'_> {
                 }
             }
             loop {
-                p.comma()?;
                 if p.color_follows()? {
                     f.color = p.parse_color()?;
+                    continue;
+                }
+                if !matches!(p.peek_kw()?, Some(Kw::X | Kw::Y | Kw::Z | Kw::U | Kw::V | Kw::T)) && p.number_follows()? {
+                    p.warn("Parse Warning: Should use distance keyword.");
+                    f.distance = p.parse_float()?;
                     continue;
                 }
                 let Some(k) = p.peek_kw()? else { break };
@@ -369,9 +398,6 @@ impl Parser<'_> {
             if r.direction.length() < EPSILON || r.up.length() < EPSILON {
                 return Err(p.error("Rainbow's direction and up vectors must not be zero."));
             }
-            if r.color_map.entries.is_empty() {
-                return Err(p.error("Missing color_map in rainbow."));
-            }
             let direction = r.direction.normalize();
             let right = r.up.cross(direction);
             if right.length() < EPSILON {
@@ -380,6 +406,9 @@ impl Parser<'_> {
             r.direction = direction;
             r.up = direction.cross(right.normalize()).normalize();
             if let Some(f) = falloff {
+                if r.arc_rad.is_some_and(|a| a < f) {
+                    return Err(p.error("Arc angle is smaller than falloff angle in rainbow."));
+                }
                 r.falloff_rad = f;
             } else if let Some(a) = r.arc_rad {
                 r.falloff_rad = a;

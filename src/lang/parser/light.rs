@@ -4,12 +4,11 @@ use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
 use crate::lang::token::Punct;
 use crate::lang::value::Value;
-use crate::math::{Transform, Vec3};
+use crate::math::{DVec3, Transform, Vec3};
 use crate::scene::light::{AreaLight, Fade, LightKind};
 use crate::scene::{Light, Object, Shape};
 
 /// What the items of a light say besides the light itself.
-#[derive(Default)]
 struct Beam {
     kind: Option<Kw>,
     radius: f64,
@@ -17,6 +16,33 @@ struct Beam {
     tightness: f64,
     fade_distance: f64,
     fade_power: f64,
+    area: AreaLight,
+    is_area: bool,
+}
+
+impl Default for Beam {
+    fn default() -> Self {
+        Self {
+            kind: None,
+            radius: 0.0,
+            falloff: 0.0,
+            tightness: 0.0,
+            fade_distance: 0.0,
+            fade_power: 0.0,
+            area: AreaLight {
+                axis1: DVec3::ZERO,
+                axis2: DVec3::ZERO,
+                n1: 0,
+                n2: 0,
+                adaptive: 100,
+                jitter: false,
+                circular: false,
+                orient: false,
+                area_illumination: false,
+            },
+            is_area: false,
+        }
+    }
 }
 
 impl Parser<'_> {
@@ -27,6 +53,7 @@ impl Parser<'_> {
                 && let Shape::Light(light) = &o.shape
             {
                 let mut light = (**light).clone();
+                light.transform(&o.transform);
                 p.next()?;
                 while let Some(t) = p.parse_transform()? {
                     light.transform(&t);
@@ -48,6 +75,7 @@ impl Parser<'_> {
                 Some(Kw::Cylinder) => LightKind::Cylinder { radius: beam.radius, falloff: beam.falloff, tightness: beam.tightness },
                 _ => LightKind::Point,
             };
+            light.area = beam.is_area.then_some(beam.area);
             if beam.fade_power > 0.0 && beam.fade_distance != 0.0 {
                 light.fade = Fade::Pov { distance: beam.fade_distance, power: beam.fade_power };
             }
@@ -57,13 +85,11 @@ impl Parser<'_> {
 
     fn light_items(&mut self, light: &mut Light, beam: &mut Beam) -> PResult<()> {
         loop {
-            self.comma()?;
             if let Some(t) = self.parse_transform()? {
                 light.transform(&t);
-                continue;
-            }
-            if self.color_follows()? {
-                light.color = self.parse_rgb()?;
+                if beam.is_area {
+                    (beam.area.axis1, beam.area.axis2) = (t.vector(beam.area.axis1), t.vector(beam.area.axis2));
+                }
                 continue;
             }
             let Some(k) = self.peek_kw()? else { return Ok(()) };
@@ -106,9 +132,14 @@ impl Parser<'_> {
                 }
                 Kw::AreaLight => {
                     self.next()?;
-                    light.area = Some(self.area_light(light.area.take())?);
+                    beam.area = self.area_light(beam.area.clone())?;
+                    beam.is_area = true;
                 }
-                Kw::Adaptive | Kw::Jitter | Kw::Circular | Kw::Orient | Kw::AreaIllumination => self.area_item(light, k)?,
+                Kw::Adaptive | Kw::Jitter | Kw::Circular | Kw::Orient | Kw::AreaIllumination => {
+                    let mut a = beam.area.clone();
+                    self.area_item(&mut a, beam.is_area, k)?;
+                    beam.area = a;
+                }
                 Kw::FadeDistance => {
                     self.next()?;
                     beam.fade_distance = self.parse_float()?;
@@ -127,7 +158,10 @@ impl Parser<'_> {
                 }
                 Kw::LooksLike => {
                     self.next()?;
-                    let mut object = self.block("looks_like", |p| p.parse_object()?.map_or_else(|| p.expected("object"), Ok))?;
+                    if light.looks_like.is_some() {
+                        return Err(self.error("Only one looks_like allowed per light_source."));
+                    }
+                    let mut object = self.object_and_modifiers("looks_like")?;
                     if object.texture.is_none() {
                         object.texture = Some(self.defaults.texture());
                     }
@@ -137,52 +171,68 @@ impl Parser<'_> {
                 }
                 Kw::ProjectedThrough => {
                     self.next()?;
-                    let object = self.block("projected_through", |p| p.parse_object()?.map_or_else(|| p.expected("object"), Ok))?;
+                    if light.projected_through.is_some() {
+                        return Err(self.error("Only one projected through allowed per light_source."));
+                    }
+                    let object = self.object_and_modifiers("projected_through")?;
                     light.projected_through = Some(Box::new(object));
                 }
                 Kw::Photons => {
                     self.next()?;
                     self.light_photons(light)?;
                 }
+                Kw::ColorMap => {
+                    self.next()?;
+                    // The colours, each times its position, are the light's colour.
+                    let map = self.parse_color_map()?;
+                    light.color = map.entries.iter().map(|(at, c)| c.rgb * *at).sum();
+                }
                 _ => return Ok(()),
             }
         }
     }
 
-    fn area_light(&mut self, before: Option<AreaLight>) -> PResult<AreaLight> {
+    fn object_and_modifiers(&mut self, word: &str) -> PResult<Object> {
+        self.block(word, |p| {
+            let mut object = p.need_object()?;
+            p.object_modifiers(&mut object)?;
+            Ok(object)
+        })
+    }
+
+    /// An area light's axes and size; `before` is what its switches say already.
+    fn area_light(&mut self, before: AreaLight) -> PResult<AreaLight> {
         let axis1 = self.parse_vector3()?;
         self.comma()?;
         let axis2 = self.parse_vector3()?;
         self.comma()?;
-        let n1 = self.parse_int()?.clamp(1, 4096) as u32;
+        let n1 = self.parse_int()?;
         self.comma()?;
-        let n2 = self.parse_int()?.clamp(1, 4096) as u32;
-        let plain =
-            AreaLight { axis1, axis2, n1, n2, adaptive: 100, jitter: false, circular: false, orient: false, area_illumination: false };
-        Ok(before.map_or(plain.clone(), |b| AreaLight { axis1, axis2, n1, n2, ..b }))
+        let n2 = self.parse_int()?;
+        if n1 < 1 || n2 < 1 {
+            return Err(self.error("Area light must have at least one element on each axis."));
+        }
+        let size = |n: i64| n.min(4096) as u32;
+        Ok(AreaLight { axis1, axis2, n1: size(n1), n2: size(n2), ..before })
     }
 
-    fn area_item(&mut self, light: &mut Light, k: Kw) -> PResult<()> {
+    fn area_item(&mut self, a: &mut AreaLight, is_area: bool, k: Kw) -> PResult<()> {
         self.next()?;
-        let adaptive = if k == Kw::Adaptive { Some(self.parse_int()?.clamp(0, 100) as u32) } else { None };
-        let on = if k == Kw::AreaIllumination { self.parse_switch()? } else { true };
-        let Some(a) = &mut light.area else {
-            if matches!(k, Kw::Circular | Kw::Orient | Kw::AreaIllumination) {
-                self.warn(format!("Parse Warning: '{}' has no effect before area_light.", k.text()));
-            }
-            // POV-Ray keeps adaptive and jitter for an area_light that follows.
-            light.area = None;
-            return Ok(());
-        };
         match k {
-            Kw::Adaptive => a.adaptive = adaptive.unwrap_or(100),
+            Kw::Adaptive => a.adaptive = self.parse_int()?.clamp(0, 100) as u32,
             Kw::Jitter => a.jitter = true,
             Kw::Circular => a.circular = true,
             Kw::Orient => (a.orient, a.circular) = (true, true),
-            _ => a.area_illumination = on,
+            _ => a.area_illumination = self.parse_switch()?,
         }
-        if a.circular && (a.n1 < 2 || a.n2 < 2) {
+        if !is_area && matches!(k, Kw::Circular | Kw::Orient | Kw::AreaIllumination) {
+            self.warn(format!("Parse Warning: '{}' should stand after area_light.", k.text()));
+        }
+        if is_area && k == Kw::Circular && (a.n1 < 2 || a.n2 < 2) {
             return Err(self.error("Circular area lights must have more than one point on each axis."));
+        }
+        if is_area && k == Kw::Orient && a.n1 != a.n2 {
+            self.warn("Parse Warning: When using orient, the two sample sizes for an area light should be equal.");
         }
         Ok(())
     }
@@ -219,7 +269,10 @@ impl Parser<'_> {
                     lights.push(p.parse_light()?);
                 } else if let Some(o) = p.parse_object()? {
                     match o.shape {
-                        Shape::Light(l) => lights.push(*l),
+                        Shape::Light(mut l) => {
+                            l.transform(&o.transform);
+                            lights.push(*l);
+                        }
                         _ => children.push(o),
                     }
                 } else {

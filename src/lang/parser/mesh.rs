@@ -2,7 +2,7 @@
 
 use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
-use crate::lang::token::Punct;
+use crate::lang::token::{Punct, TokenKind};
 use crate::lang::value::Value;
 use crate::math::{DVec2, DVec3, EPSILON, Vec3};
 use crate::scene::{Mesh, Shape, Texture};
@@ -236,6 +236,9 @@ impl Parser<'_> {
         }
         self.expect_kw(Kw::FaceIndices)?;
         self.block("face_indices", |p| p.faces(&mut m))?;
+        if m.faces.is_empty() {
+            return Err(self.error("No triangles in triangle mesh."));
+        }
         loop {
             if self.accept_kw(Kw::UvIndices)? {
                 m.uv_indices = self.block("uv_indices", |p| p.index_triples(m.uvs.len(), "uv"))?;
@@ -373,18 +376,17 @@ impl Parser<'_> {
     pub(super) fn parse_bicubic_patch(&mut self) -> PResult<Shape> {
         let (mut flatness, mut accuracy) = (0.0, 0.01);
         let (mut u_steps, mut v_steps) = (0, 0);
-        if self.number_follows()? && !self.at_punct(Punct::Lt)? {
-            // The oldest syntax: type, flatness, steps.
-            self.parse_int()?;
-            self.comma()?;
-            flatness = self.parse_float()?;
-            self.comma()?;
-            u_steps = self.parse_int()?;
-            self.comma()?;
-            v_steps = self.parse_int()?;
-            self.comma()?;
-        }
-        while let Some(k) = self.peek_kw()? {
+        loop {
+            if matches!(self.peek()?.kind, TokenKind::Float(_)) {
+                // The oldest syntax: type, flatness, steps, without commas.
+                self.warn("Parse Warning: Should use keywords for bicubic parameters.");
+                self.parse_int()?;
+                flatness = self.parse_float()?;
+                u_steps = self.parse_int()?;
+                v_steps = self.parse_int()?;
+                break;
+            }
+            let Some(k) = self.peek_kw()? else { break };
             match k {
                 Kw::Type => {
                     self.next()?;

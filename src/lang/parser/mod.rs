@@ -146,6 +146,8 @@ pub struct Parser<'a> {
     n_objects: usize,
     scene: Scene,
     images: images::ImageCache,
+    /// What finishes inside textures say of the interior, by the finish's address.
+    finish_extras: std::collections::HashMap<usize, (Arc<Finish>, super::value::FinishExtras)>,
 }
 
 /// Blocks and parentheses nested deeper than this are refused, before the stack is in danger.
@@ -200,6 +202,7 @@ impl<'a> Parser<'a> {
             n_objects: 0,
             scene: Scene::default(),
             images: images::ImageCache::default(),
+            finish_extras: std::collections::HashMap::new(),
         };
         let f = options.frame;
         for (name, value) in [

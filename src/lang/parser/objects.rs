@@ -3,7 +3,7 @@
 use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
 use crate::lang::value::{FinishExtras, Value};
-use crate::math::{DVec3, EPSILON};
+use crate::math::{DVec3, EPSILON, Transform};
 use crate::scene::object::PhotonFlags;
 use crate::scene::{Csg, Interior, Object, Shape, Texture};
 use std::sync::Arc;
@@ -13,9 +13,10 @@ impl Parser<'_> {
     pub(super) fn parse_object(&mut self) -> PResult<Option<Object>> {
         let start = self.peek()?.span;
         if let Some(Value::Object(o)) = self.peek_value()? {
-            let o = o.clone();
+            // Declared objects with children share them: this copies one node.
+            let o = (**o).clone();
             self.next()?;
-            return Ok(Some((*o).clone()));
+            return Ok(Some(o));
         }
         let Some(k) = self.peek_kw()? else { return Ok(None) };
         if !is_object_word(k) {
@@ -47,9 +48,9 @@ impl Parser<'_> {
     fn object_block(&mut self, k: Kw) -> PResult<Object> {
         // A bare name first makes the whole block a copy with modifiers, whatever the word.
         let mut object = if let Some(Value::Object(o)) = self.peek_value()? {
-            let o = o.clone();
+            let o = (**o).clone();
             self.next()?;
-            self.copy_of(o)
+            o
         } else {
             match k {
                 Kw::Object => self.need_object()?,
@@ -66,17 +67,19 @@ impl Parser<'_> {
         Ok(object)
     }
 
-    /// A fresh node around a declared object: large ones are shared, small ones copied.
-    fn copy_of(&mut self, o: Arc<Object>) -> Object {
-        let has_children = matches!(o.shape, Shape::Csg { .. } | Shape::LightGroup { .. } | Shape::Group { .. });
-        if !has_children || o.texture.is_some() || o.interior.is_some() || !o.clipped_by.is_empty() || o.flags != Default::default() {
-            return (*o).clone();
+    /// An object to be declared: one with children becomes a node around a shared child, so that copies are small. Cover, filling,
+    /// clip objects and switches move to the node: both are in the same space, and what the child does not say it takes from the node.
+    pub(super) fn shared(object: Object) -> Object {
+        if !matches!(object.shape, Shape::Csg { .. } | Shape::LightGroup { .. }) {
+            return object;
         }
-        // Covers, fillings and switches written on the copy are inherited by what has none, so the children can be shared.
-        let importance = o.importance;
-        let photons = o.photons;
-        let mut node = Object::new(Shape::Group { child: o });
-        (node.importance, node.photons) = (importance, photons);
+        let mut node = Object { shape: Shape::Csg { op: Csg::Union, children: Vec::new() }, transform: Transform::IDENTITY, ..object };
+        let mut child = Object::new(object.shape);
+        child.transform = object.transform;
+        // These are about the set itself.
+        child.flags.cutaway_textures = node.flags.cutaway_textures;
+        child.flags.split_union = node.flags.split_union;
+        node.shape = Shape::Group { child: Arc::new(child) };
         node
     }
 
@@ -165,11 +168,7 @@ impl Parser<'_> {
                 let v = self.parse_vector2()?;
                 Shape::Superellipsoid { e: v.x, n: v.y }
             }
-            Kw::Ovus => {
-                let bottom = self.parse_float()?;
-                self.comma()?;
-                Shape::Ovus { bottom, top: self.parse_float()? }
-            }
+            Kw::Ovus => self.parse_ovus()?,
             Kw::JuliaFractal => self.parse_julia_fractal()?,
             Kw::HeightField => self.parse_height_field()?,
             Kw::Isosurface => self.parse_isosurface()?,
@@ -204,6 +203,7 @@ impl Parser<'_> {
 
     /// Everything after an object's geometry.
     pub(super) fn object_modifiers(&mut self, o: &mut Object) -> PResult<()> {
+        let mut covered = false;
         loop {
             if let Some(t) = self.parse_transform()? {
                 o.apply_transform(&t);
@@ -211,33 +211,9 @@ impl Parser<'_> {
             }
             let Some(k) = self.peek_kw()? else { break };
             match k {
-                Kw::Texture => {
-                    self.next()?;
-                    let texture = self.parse_texture_block()?;
-                    o.texture = Some(self.layer_texture(o.texture.take(), texture)?);
-                }
-                Kw::Pigment => {
-                    self.next()?;
-                    self.change_top_layer(o, |p, layer| {
-                        layer.pigment = p.pigment_block_from(layer.pigment.clone())?;
-                        Ok(())
-                    })?;
-                }
-                Kw::Normal => {
-                    self.next()?;
-                    self.change_top_layer(o, |p, layer| {
-                        layer.normal = Some(p.normal_block_from(layer.normal.clone())?);
-                        Ok(())
-                    })?;
-                }
-                Kw::Finish => {
-                    self.next()?;
-                    let mut extras = FinishExtras::default();
-                    self.change_top_layer(o, |p, layer| {
-                        (layer.finish, extras) = p.finish_block_from(layer.finish.clone())?;
-                        Ok(())
-                    })?;
-                    apply_extras(o, extras);
+                Kw::Texture | Kw::Pigment | Kw::Normal | Kw::Finish => {
+                    covered = true;
+                    self.cover_item(o)?;
                 }
                 Kw::InteriorTexture => {
                     self.next()?;
@@ -251,6 +227,7 @@ impl Parser<'_> {
                 Kw::Material => {
                     self.next()?;
                     let m = self.parse_material()?;
+                    covered = true;
                     if let Some(t) = m.texture {
                         o.texture = Some(self.layer_texture(o.texture.take(), t)?);
                     }
@@ -282,7 +259,61 @@ impl Parser<'_> {
                 }
             }
         }
+        if o.interior_texture.is_some() && o.texture.is_none() {
+            return Err(self.error("Interior texture requires an exterior texture."));
+        }
+        if covered && let Some(t) = o.texture.clone() {
+            let extras = self.texture_extras(&t);
+            self.apply_extras(o, extras);
+        }
         Ok(())
+    }
+
+    /// The modifiers of a blob's part: transforms and cover.
+    pub(super) fn cover_modifiers(&mut self, o: &mut Object) -> PResult<()> {
+        loop {
+            if let Some(t) = self.parse_transform()? {
+                o.apply_transform(&t);
+            } else if !matches!(self.peek_kw()?, Some(Kw::Texture | Kw::Pigment | Kw::Normal | Kw::Finish)) || !self.cover_item(o)? {
+                return Ok(());
+            }
+        }
+    }
+
+    /// A texture, or a part of one, of an object; `false` when none is next.
+    fn cover_item(&mut self, o: &mut Object) -> PResult<bool> {
+        match self.peek_kw()? {
+            Some(Kw::Texture) => {
+                self.next()?;
+                let texture = self.parse_texture_block()?;
+                o.texture = Some(self.layer_texture(o.texture.take(), texture)?);
+            }
+            Some(Kw::Pigment) => {
+                self.next()?;
+                self.change_top_layer(o, |p, layer| {
+                    layer.pigment = p.pigment_block_from(layer.pigment.clone())?;
+                    Ok(())
+                })?;
+            }
+            Some(Kw::Normal) => {
+                self.next()?;
+                self.change_top_layer(o, |p, layer| {
+                    layer.normal = Some(p.normal_block_from(layer.normal.clone())?);
+                    Ok(())
+                })?;
+            }
+            Some(Kw::Finish) => {
+                self.next()?;
+                self.change_top_layer(o, |p, layer| {
+                    let extras;
+                    (layer.finish, extras) = p.finish_block_from(layer.finish.clone())?;
+                    p.keep_extras(&layer.finish, extras);
+                    Ok(())
+                })?;
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
     }
 
     /// A switch of an object; `false` when the word is none.
@@ -316,6 +347,14 @@ impl Parser<'_> {
             }
             Kw::NoImage | Kw::NoReflection | Kw::NoRadiosity | Kw::Hollow | Kw::DoubleIlluminate | Kw::Sturm | Kw::Hierarchy => {
                 self.next()?;
+                let fits = match k {
+                    Kw::Sturm => takes_sturm(&o.shape),
+                    Kw::Hierarchy => matches!(o.shape, Shape::Mesh(_) | Shape::HeightField { .. } | Shape::Blob { .. }),
+                    _ => true,
+                };
+                if !fits {
+                    return Err(self.error(format!("Keyword '{}' cannot be used with this object.", k.text())));
+                }
                 let on = self.parse_switch()?;
                 match k {
                     Kw::NoImage => o.flags.no_image = Some(on),
@@ -355,6 +394,18 @@ impl Parser<'_> {
         Ok(())
     }
 
+    /// Old words of a finish move to the object's interior.
+    fn apply_extras(&mut self, o: &mut Object, extras: FinishExtras) {
+        if extras == FinishExtras::default() {
+            return;
+        }
+        let mut interior = o.interior.take().map_or_else(Interior::default, |i| (*i).clone());
+        interior.ior = extras.ior.unwrap_or(interior.ior);
+        interior.caustics = extras.caustics.unwrap_or(interior.caustics);
+        interior.old_refraction = extras.refraction.unwrap_or(interior.old_refraction);
+        o.interior = Some(Arc::new(interior));
+    }
+
     fn clip_or_bound(&mut self, o: &mut Object, clip: bool) -> PResult<()> {
         let (word, other) = if clip { ("clipped_by", Kw::BoundedBy) } else { ("bounded_by", Kw::ClippedBy) };
         self.block(word, |p| {
@@ -366,15 +417,21 @@ impl Parser<'_> {
                 }
                 return Ok(());
             }
-            while let Some(object) = p.parse_object()? {
+            let mut object = p.need_object()?;
+            loop {
+                if object.texture.is_some() || object.interior_texture.is_some() || is_patch(&object.shape) {
+                    return Err(p.error("Illegal texture or patch in clip, bound or object pattern."));
+                }
                 if clip {
                     o.clipped_by.push(object)
                 } else {
                     o.bounded_by.push(object)
                 }
-                p.comma()?;
+                match p.parse_object()? {
+                    Some(next) => object = next,
+                    None => return Ok(()),
+                }
             }
-            Ok(())
         })
     }
 
@@ -411,16 +468,27 @@ impl Parser<'_> {
     }
 }
 
-/// Old words of a finish move to the object's interior.
-fn apply_extras(o: &mut Object, extras: FinishExtras) {
-    if extras == FinishExtras::default() {
-        return;
+/// Shapes without an inside.
+pub(super) fn is_patch(shape: &Shape) -> bool {
+    match shape {
+        Shape::Triangle { .. } | Shape::BicubicPatch { .. } | Shape::Polygon { .. } | Shape::Parametric { .. } => true,
+        Shape::Mesh(m) => m.inside_vector.is_none(),
+        _ => false,
     }
-    let mut interior = o.interior.take().map_or_else(Interior::default, |i| (*i).clone());
-    interior.ior = extras.ior.unwrap_or(interior.ior);
-    interior.caustics = extras.caustics.unwrap_or(interior.caustics);
-    interior.old_refraction = extras.refraction.unwrap_or(interior.old_refraction);
-    o.interior = Some(Arc::new(interior));
+}
+
+/// Shapes whose roots may be asked for more surely.
+fn takes_sturm(shape: &Shape) -> bool {
+    matches!(
+        shape,
+        Shape::Blob { .. }
+            | Shape::Poly { .. }
+            | Shape::Torus { .. }
+            | Shape::Lathe { .. }
+            | Shape::Sor { .. }
+            | Shape::Prism { .. }
+            | Shape::Ovus { .. }
+    )
 }
 
 /// Number of terms of a polynomial of this order in x, y, z.

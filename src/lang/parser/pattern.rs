@@ -20,6 +20,16 @@ pub(super) fn list_length(kind: &PatternKind) -> Option<usize> {
     })
 }
 
+/// How many patterns a pavement of so many sides has by the number of tiles joined. Source: spec/textures.md, section 2.
+fn pavement_patterns(sides: u8, tiles: u8) -> i64 {
+    let by_tiles: &[i64] = match sides {
+        3 => &[1, 1, 1, 3, 4, 12],
+        4 => &[1, 1, 2, 5, 12, 35],
+        _ => &[1, 1, 3, 7, 22],
+    };
+    by_tiles.get(usize::from(tiles) - 1).copied().unwrap_or(1)
+}
+
 impl Parser<'_> {
     /// A pattern's word and its parameters, if one is next. The pattern's `kind`, and where the language says so its wave and
     /// frequency, are replaced; everything else stays.
@@ -282,7 +292,7 @@ impl Parser<'_> {
             (Kw::Control0 | Kw::Control1, _) => return self.wrong_modifier(k, "quilted"),
             (Kw::Solid, PatternKind::Crackle { solid, .. }) => {
                 self.next()?;
-                *solid = self.parse_switch()?;
+                *solid = true;
             }
             (Kw::Form, PatternKind::Crackle { form, .. }) => {
                 self.next()?;
@@ -317,6 +327,9 @@ impl Parser<'_> {
                 };
             }
             (Kw::Exponent, PatternKind::Fractal(f)) => {
+                if f.magnet != 0 {
+                    return self.wrong_modifier(k, "mandel or julia");
+                }
                 self.next()?;
                 let e = self.parse_int()?;
                 if !(2..=33).contains(&e) {
@@ -342,15 +355,28 @@ impl Parser<'_> {
             }
             (Kw::NumberOfSides, PatternKind::Pavement { sides, .. }) => {
                 self.next()?;
-                *sides = self.parse_int()?.clamp(3, 6) as u8;
+                let n = self.parse_int()?;
+                if ![3, 4, 6].contains(&n) {
+                    return Err(self.error("number_of_sides of pavement must be 3, 4 or 6."));
+                }
+                *sides = n as u8;
             }
-            (Kw::NumberOfTiles, PatternKind::Pavement { tiles, .. }) => {
+            (Kw::NumberOfTiles, PatternKind::Pavement { sides, tiles, .. }) => {
                 self.next()?;
-                *tiles = self.parse_int()?.clamp(1, 6) as u8;
+                let n = self.parse_int()?;
+                let most = if *sides == 6 { 5 } else { 6 };
+                if !(1..=most).contains(&n) {
+                    return Err(self.error(format!("number_of_tiles of pavement must be between 1 and {most}.")));
+                }
+                *tiles = n as u8;
             }
-            (Kw::Pattern, PatternKind::Pavement { pattern, .. }) => {
+            (Kw::Pattern, PatternKind::Pavement { sides, tiles, pattern, .. }) => {
                 self.next()?;
-                *pattern = self.parse_int()?.clamp(0, 255) as u8;
+                let n = self.parse_int()?;
+                if !(1..=pavement_patterns(*sides, *tiles)).contains(&n) {
+                    return Err(self.error("pattern value for pavement is out of range."));
+                }
+                *pattern = n as u8;
             }
             _ => return Ok(false),
         }
@@ -376,7 +402,6 @@ impl Parser<'_> {
                 let [axis] = axes[..] else { return Err(self.error("Can only repeat along 1 axis.")) };
                 let (mut offset, mut flip) = (DVec3::ZERO, [false; 3]);
                 loop {
-                    self.comma()?;
                     if self.accept_kw(Kw::Offset)? {
                         offset = self.parse_vector3()?;
                     } else if self.accept_kw(Kw::Flip)? {
@@ -393,9 +418,7 @@ impl Parser<'_> {
                 let radius = self.parse_float()?;
                 let (mut strength, mut falloff, mut inverse) = (1.0, 2.0, false);
                 let (mut repeat, mut turbulence) = (None, DVec3::ZERO);
-                loop {
-                    self.comma()?;
-                    let Some(k) = self.peek_kw()? else { break };
+                while let Some(k) = self.peek_kw()? {
                     match k {
                         Kw::Strength => {
                             self.next()?;

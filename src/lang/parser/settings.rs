@@ -160,8 +160,9 @@ impl Parser<'_> {
 
     fn parse_photon_settings(&mut self) -> PResult<()> {
         let mut s = self.scene.settings.photons.clone().unwrap_or_else(|| Photons {
-            adc_bailout: self.scene.settings.adc_bailout,
-            max_trace_level: self.scene.settings.max_trace_level,
+            // The scene's own, which may be set later still, unless given here: see `finish_scene`.
+            adc_bailout: f64::NAN,
+            max_trace_level: 0,
             ..Photons::default()
         });
         self.block("photons", |p| {
@@ -169,14 +170,12 @@ impl Parser<'_> {
                 p.next()?;
                 match k {
                     Kw::Radius => {
-                        for i in 0..4 {
-                            if i > 0 {
-                                p.comma()?;
-                                if !p.number_follows()? {
-                                    break;
-                                }
+                        for r in &mut s.radius {
+                            if !p.number_follows()? {
+                                break;
                             }
-                            s.radius[i] = p.parse_float()?;
+                            *r = p.parse_float()?;
+                            p.comma()?;
                         }
                     }
                     Kw::Spacing => s.spacing = p.parse_float()?,
@@ -247,13 +246,13 @@ impl Parser<'_> {
                         s.nearest_count = (p.radiosity_number("nearest_count", 1.0, 20.0)? as u32, 0);
                         p.comma()?;
                         if p.number_follows()? {
-                            s.nearest_count.1 = p.radiosity_number("nearest_count", 0.0, 20.0)? as u32;
+                            s.nearest_count.1 = p.radiosity_number("nearest_count", 0.0, f64::from(s.nearest_count.0) - 1.0)? as u32;
                         }
                     }
                     Kw::RecursionLimit => s.recursion_limit = p.radiosity_number("recursion_limit", 1.0, 20.0)? as u32,
                     Kw::MaxSample => s.max_sample = p.parse_float()?,
-                    Kw::AdcBailout => s.adc_bailout = p.parse_float()?,
-                    Kw::Brightness => s.brightness = p.parse_float()?,
+                    Kw::AdcBailout => s.adc_bailout = p.radiosity_number("adc_bailout", f64::MIN_POSITIVE, f64::INFINITY)?,
+                    Kw::Brightness => s.brightness = p.radiosity_number("brightness", f64::MIN_POSITIVE, f64::INFINITY)?,
                     Kw::AlwaysSample => s.always_sample = p.parse_float()? > 0.0,
                     Kw::Normal => s.normal = p.parse_float()? > 0.0,
                     Kw::Media => s.media = p.parse_float()? > 0.0,
@@ -293,12 +292,14 @@ impl Parser<'_> {
     /// `{ importance f }` after `radiosity`.
     pub(super) fn parse_importance(&mut self) -> PResult<f64> {
         self.block("radiosity", |p| {
-            p.expect_kw(Kw::Importance)?;
-            let x = p.parse_float()?;
-            if !(x > 0.0 && x <= 1.0) {
-                return Err(p.error("Radiosity importance must be greater than 0 and at most 1."));
+            let mut importance = 1.0;
+            while p.accept_kw(Kw::Importance)? {
+                importance = p.parse_float()?;
+                if !(importance > 0.0 && importance <= 1.0) {
+                    return Err(p.error("Radiosity importance must be greater than 0 and at most 1."));
+                }
             }
-            Ok(x)
+            Ok(importance)
         })
     }
 }

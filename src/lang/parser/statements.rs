@@ -61,7 +61,10 @@ impl Parser<'_> {
             Kw::Rainbow => {
                 self.next()?;
                 let r = self.parse_rainbow()?;
-                self.scene.rainbows.push(r);
+                // One without colours, width or distance is not there.
+                if !r.color_map.entries.is_empty() && r.width_rad != 0.0 && r.distance != 0.0 {
+                    self.scene.rainbows.push(r);
+                }
                 Ok(())
             }
             Kw::SkySphere => {
@@ -136,7 +139,8 @@ impl Parser<'_> {
         if self.n_objects > self.options.max_objects {
             return Err(self.error(format!("The scene has more than {} objects.", self.options.max_objects)));
         }
-        if let Shape::Light(light) = object.shape {
+        if let Shape::Light(mut light) = object.shape {
+            light.transform(&object.transform);
             self.scene.lights.push(*light);
             return Ok(());
         }
@@ -167,6 +171,14 @@ impl Parser<'_> {
             let old = scene.settings.version < 370;
             scene.settings.gamma =
                 if old { crate::scene::settings::WorkingGamma::None } else { crate::scene::settings::WorkingGamma::Linear };
+        }
+        if let Some(p) = &mut scene.settings.photons {
+            if p.adc_bailout.is_nan() {
+                p.adc_bailout = scene.settings.adc_bailout;
+            }
+            if p.max_trace_level == 0 {
+                p.max_trace_level = scene.settings.max_trace_level;
+            }
         }
         if let Some(r) = &mut scene.settings.radiosity {
             r.importance = self.defaults.importance;
@@ -251,7 +263,7 @@ impl Parser<'_> {
             }
             Kw::Density => {
                 self.next()?;
-                Value::Density(self.parse_pigment_block()?)
+                Value::Density(self.parse_density_block()?)
             }
             Kw::Normal => {
                 self.next()?;
@@ -282,15 +294,15 @@ impl Parser<'_> {
             }
             Kw::PigmentMap => {
                 self.next()?;
-                Value::PigmentMap(self.parse_pigment_map(k)?)
+                Value::PigmentMap(self.parse_pigment_map(k, true)?)
             }
             Kw::DensityMap => {
                 self.next()?;
-                Value::DensityMap(self.parse_pigment_map(k)?)
+                Value::DensityMap(self.parse_pigment_map(k, true)?)
             }
             Kw::NormalMap => {
                 self.next()?;
-                Value::NormalMap(self.parse_normal_map()?)
+                Value::NormalMap(self.parse_normal_map(true)?)
             }
             Kw::SlopeMap => {
                 self.next()?;
@@ -298,7 +310,7 @@ impl Parser<'_> {
             }
             Kw::TextureMap => {
                 self.next()?;
-                Value::TextureMap(self.parse_texture_map()?)
+                Value::TextureMap(self.parse_texture_map(true)?)
             }
             Kw::Camera => {
                 self.next()?;
@@ -322,7 +334,7 @@ impl Parser<'_> {
                 Value::Object(Arc::new(Object::new(Shape::Light(Box::new(light)))))
             }
             _ => match self.parse_object()? {
-                Some(o) => Value::Object(Arc::new(o)),
+                Some(o) => Value::Object(Arc::new(Self::shared(o))),
                 None => return Ok(None),
             },
         }))

@@ -36,19 +36,31 @@ impl Parser<'_> {
 
     /// `{ ... }` after `pigment`, going on from `start`.
     pub(super) fn pigment_block_from(&mut self, start: Arc<Pigment>) -> PResult<Arc<Pigment>> {
+        self.pigment_or_density(start, Kw::Pigment)
+    }
+
+    /// `{ ... }` after `density`.
+    pub(super) fn parse_density_block(&mut self) -> PResult<Arc<Pigment>> {
+        let start = self.defaults.pigment.clone();
+        self.pigment_or_density(start, Kw::Density)
+    }
+
+    fn pigment_or_density(&mut self, start: Arc<Pigment>, word: Kw) -> PResult<Arc<Pigment>> {
         let mut pigment = start;
-        self.block("pigment", |p| {
-            p.pigment_contents(&mut pigment)?;
+        self.block(word.text(), |p| {
+            p.pigment_contents(&mut pigment, word)?;
             Ok(())
         })?;
         Ok(pigment)
     }
 
     /// What stands between a pigment's braces, or in an entry of a pigment map.
-    pub(super) fn pigment_contents(&mut self, pigment: &mut Arc<Pigment>) -> PResult<()> {
+    pub(super) fn pigment_contents(&mut self, pigment: &mut Arc<Pigment>, word: Kw) -> PResult<()> {
+        let (mut known, mut untyped) = (false, false);
         if let Some(Value::Pigment(p) | Value::Density(p)) = self.peek_value()? {
             *pigment = p.clone();
             self.next()?;
+            known = true;
         }
         let pigment = Arc::make_mut(pigment);
         if self.accept_kw(Kw::UvMapping)? {
@@ -66,58 +78,59 @@ impl Parser<'_> {
                 pigment.kind = PigmentKind::DefaultMap;
             }
             if list_length(&pigment.pattern.kind).is_some() {
-                pigment.kind = self.pigment_list(&pigment.pattern.kind)?;
+                pigment.kind = self.pigment_list(&pigment.pattern.kind, word)?;
+            } else if matches!(pigment.pattern.kind, PatternKind::Facets { .. }) {
+                return Err(self.error("Keyword 'facets' can only be used in a normal statement."));
             }
-        } else if self.color_follows()? || (self.number_follows()? && !matches!(self.peek_value()?, Some(Value::Function(_)))) {
+        } else if self.color_follows()? {
             let c = self.parse_color()?;
             pigment.kind = PigmentKind::Solid(c);
             pigment.pattern = Pattern::default();
+        } else if !known {
+            self.warn("Parse Warning: Pigment type unspecified or not 1st item.");
+            untyped = true;
         }
-        self.pigment_modifiers(pigment)
+        self.pigment_modifiers(pigment, word, untyped)?;
+        if matches!(pigment.pattern.kind, PatternKind::Average) && !matches!(pigment.kind, PigmentKind::Average(_)) {
+            return Err(self.error("Average must have map."));
+        }
+        Ok(())
     }
 
-    fn pigment_modifiers(&mut self, pigment: &mut Pigment) -> PResult<()> {
+    fn pigment_modifiers(&mut self, pigment: &mut Pigment, word: Kw, untyped: bool) -> PResult<()> {
         loop {
-            self.comma()?;
-            if let Some(k) = self.peek_kw()? {
-                match k {
-                    Kw::ColorMap => {
-                        self.next()?;
-                        pigment.kind = PigmentKind::ColorMap(self.parse_color_map()?);
+            match self.peek_kw()? {
+                Some(k @ (Kw::ColorMap | Kw::PigmentMap | Kw::DensityMap)) => {
+                    self.next()?;
+                    self.check_map(&pigment.pattern.kind, matches!(pigment.kind, PigmentKind::ImageMap(_)), k, untyped)?;
+                    if k == Kw::ColorMap {
+                        let map = self.parse_color_map()?;
+                        if !untyped {
+                            pigment.kind = PigmentKind::ColorMap(map);
+                        }
                         continue;
                     }
-                    Kw::PigmentMap | Kw::DensityMap => {
-                        self.next()?;
-                        let map = self.parse_pigment_map(k)?;
-                        pigment.kind = if matches!(pigment.pattern.kind, PatternKind::Average) {
-                            PigmentKind::Average(map)
-                        } else {
-                            PigmentKind::PigmentMap(map)
-                        };
-                        continue;
+                    if k == Kw::PigmentMap && word == Kw::Density || k == Kw::DensityMap && word == Kw::Pigment {
+                        let other = if k == Kw::PigmentMap { "pigment" } else { "density" };
+                        return Err(self.error(format!("Keyword '{}' can only be used in a {other} statement.", k.text())));
                     }
-                    Kw::QuickColor => {
-                        self.next()?;
-                        pigment.quick_color = Some(self.parse_color()?);
-                        continue;
+                    let average = matches!(pigment.pattern.kind, PatternKind::Average);
+                    let map = self.parse_pigment_map(k, average)?;
+                    if !untyped {
+                        pigment.kind = if average { PigmentKind::Average(map) } else { PigmentKind::PigmentMap(map) };
                     }
-                    Kw::UvMapping => {
-                        self.next()?;
-                        pigment.uv_mapping = true;
-                        continue;
-                    }
-                    _ => {}
                 }
+                Some(Kw::QuickColor) => {
+                    self.next()?;
+                    pigment.quick_color = Some(self.parse_color()?);
+                }
+                _ if self.pattern_modifier(&mut pigment.pattern)? => {}
+                // A colour after a plain pigment's name changes it.
+                _ if !untyped && matches!(pigment.kind, PigmentKind::Solid(_)) && self.color_follows()? => {
+                    pigment.kind = PigmentKind::Solid(self.parse_color()?);
+                }
+                _ => break,
             }
-            if self.pattern_modifier(&mut pigment.pattern)? {
-                continue;
-            }
-            // A colour after modifiers changes a plain pigment.
-            if matches!(pigment.kind, PigmentKind::Solid(_)) && self.color_follows()? {
-                pigment.kind = PigmentKind::Solid(self.parse_color()?);
-                continue;
-            }
-            break;
         }
         if matches!(pigment.kind, PigmentKind::Solid(_)) {
             // A plain colour has no pattern to bend.
@@ -126,18 +139,28 @@ impl Parser<'_> {
         Ok(())
     }
 
+    /// Refuses maps for patterns that have none.
+    fn check_map(&mut self, kind: &PatternKind, is_image: bool, map: Kw, untyped: bool) -> PResult<()> {
+        let plain = matches!(kind, PatternKind::Plain) && !untyped;
+        let average = matches!(kind, PatternKind::Average) && map == Kw::ColorMap;
+        if plain || average || is_image || list_length(kind).is_some() {
+            return Err(self.error(format!("Cannot use {} with this pattern type.", map.text())));
+        }
+        Ok(())
+    }
+
     fn end_of_object_list(&mut self, kind: &PatternKind) -> PResult<()> {
         if matches!(kind, PatternKind::Object(_)) { self.close_block("object") } else { Ok(()) }
     }
 
-    fn pigment_list(&mut self, kind: &PatternKind) -> PResult<PigmentKind> {
+    fn pigment_list(&mut self, kind: &PatternKind, word: Kw) -> PResult<PigmentKind> {
         let n = list_length(kind).expect("a list pattern");
         self.comma()?;
-        let word = if self.at_kw(Kw::Density)? { Kw::Density } else { Kw::Pigment };
         if self.at_kw(word)? {
             let mut entries = Vec::new();
             while entries.len() < n && self.accept_kw(word)? {
-                entries.push((*self.parse_pigment_block()?).clone());
+                let start = self.defaults.pigment.clone();
+                entries.push(Arc::unwrap_or_clone(self.pigment_or_density(start, word)?));
                 self.comma()?;
             }
             entries.resize(n, (*self.defaults.pigment).clone());
@@ -166,11 +189,11 @@ impl Parser<'_> {
     ) -> PResult<Vec<(f32, T)>> {
         let mut entries = Vec::new();
         while self.accept(Punct::LBracket)? {
-            let value = if !optional_value || self.number_follows()? { self.parse_float()? as f32 } else { 1.0 };
+            let given = !optional_value || self.number_follows()? || self.color_follows()?;
+            let value = if given { self.parse_float()? as f32 } else { 1.0 };
             self.comma()?;
             self.nested(|p| entry(p, &mut entries, value))?;
             self.expect(Punct::RBracket)?;
-            self.comma()?;
             if entries.len() > MAX_ENTRIES {
                 return Err(self.error(format!("{what} has more than {MAX_ENTRIES} entries.")));
             }
@@ -190,16 +213,22 @@ impl Parser<'_> {
                 return Ok(m);
             }
             let entries = p.map_entries("color_map", false, |p, entries, at| {
-                if !p.color_follows()? && p.number_follows()? && !p.at_punct(Punct::Lt)? {
-                    // The old form: two positions, two colours.
-                    let to = p.parse_float()? as f32;
-                    p.comma()?;
+                if p.color_follows()? {
                     entries.push((at, p.parse_color()?));
-                    p.comma()?;
-                    entries.push((to, p.parse_color()?));
                     return Ok(());
                 }
-                entries.push((at, p.parse_color()?));
+                if !p.number_follows()? || p.at_punct(Punct::Lt)? {
+                    return p.expected("color");
+                }
+                // The old form: two positions, two colours.
+                let to = p.parse_float()? as f32;
+                p.comma()?;
+                for at in [at, to] {
+                    if !p.at_kw(Kw::Color)? {
+                        return p.expected("color");
+                    }
+                    entries.push((at, p.parse_color()?));
+                }
                 Ok(())
             })?;
             Ok(Arc::new(BlendMap { entries }))
@@ -207,16 +236,17 @@ impl Parser<'_> {
     }
 
     /// `{ ... }` after `pigment_map` or `density_map`.
-    pub(super) fn parse_pigment_map(&mut self, word: Kw) -> PResult<Arc<BlendMap<Pigment>>> {
+    pub(super) fn parse_pigment_map(&mut self, word: Kw, average: bool) -> PResult<Arc<BlendMap<Pigment>>> {
         self.block(word.text(), |p| {
             if let Some(Value::PigmentMap(m) | Value::DensityMap(m)) = p.peek_value()? {
                 let m = m.clone();
                 p.next()?;
                 return Ok(m);
             }
-            let entries = p.map_entries(word.text(), true, |p, entries, at| {
+            let entries = p.map_entries(word.text(), average, |p, entries, at| {
                 let mut pigment = p.defaults.pigment.clone();
-                p.pigment_contents(&mut pigment)?;
+                let word = if word == Kw::DensityMap { Kw::Density } else { Kw::Pigment };
+                p.pigment_contents(&mut pigment, word)?;
                 entries.push((at, Arc::unwrap_or_clone(pigment)));
                 Ok(())
             })?;
@@ -242,15 +272,15 @@ impl Parser<'_> {
     }
 
     /// `{ ... }` after `normal_map`.
-    pub(super) fn parse_normal_map(&mut self) -> PResult<Arc<BlendMap<Normal>>> {
+    pub(super) fn parse_normal_map(&mut self, average: bool) -> PResult<Arc<BlendMap<Normal>>> {
         self.block("normal_map", |p| {
             if let Some(Value::NormalMap(m)) = p.peek_value()? {
                 let m = m.clone();
                 p.next()?;
                 return Ok(m);
             }
-            let entries = p.map_entries("normal_map", true, |p, entries, at| {
-                let mut normal = plain_normal();
+            let entries = p.map_entries("normal_map", average, |p, entries, at| {
+                let mut normal = p.default_normal();
                 p.normal_contents(&mut normal)?;
                 entries.push((at, normal));
                 Ok(())
@@ -260,20 +290,15 @@ impl Parser<'_> {
     }
 
     /// `{ ... }` after `texture_map`.
-    pub(super) fn parse_texture_map(&mut self) -> PResult<Arc<BlendMap<Arc<Texture>>>> {
+    pub(super) fn parse_texture_map(&mut self, average: bool) -> PResult<Arc<BlendMap<Arc<Texture>>>> {
         self.block("texture_map", |p| {
             if let Some(Value::TextureMap(m)) = p.peek_value()? {
                 let m = m.clone();
                 p.next()?;
                 return Ok(m);
             }
-            let entries = p.map_entries("texture_map", true, |p, entries, at| {
-                let mut texture = p.texture_contents()?;
-                while p.accept_kw(Kw::Texture)? {
-                    let layer = p.parse_texture_block()?;
-                    texture = p.layer_texture(Some(texture), layer)?;
-                }
-                entries.push((at, texture));
+            let entries = p.map_entries("texture_map", average, |p, entries, at| {
+                entries.push((at, p.texture_contents()?));
                 Ok(())
             })?;
             Ok(Arc::new(BlendMap { entries }))
@@ -290,7 +315,15 @@ impl Parser<'_> {
     pub(super) fn normal_block_from(&mut self, start: Option<Arc<Normal>>) -> PResult<Arc<Normal>> {
         let mut normal = start.map_or_else(plain_normal, Arc::unwrap_or_clone);
         self.block("normal", |p| p.normal_contents(&mut normal))?;
+        if matches!(normal.pattern.kind, PatternKind::Plain) && matches!(normal.kind, NormalKind::Pattern { .. }) {
+            return Err(self.error("No normal type given."));
+        }
         Ok(Arc::new(normal))
+    }
+
+    /// What entries of maps and lists start from.
+    fn default_normal(&self) -> Normal {
+        self.defaults.normal.as_deref().cloned().unwrap_or_else(plain_normal)
     }
 
     fn normal_contents(&mut self, normal: &mut Normal) -> PResult<()> {
@@ -310,7 +343,9 @@ impl Parser<'_> {
                 normal.amount = size;
             }
         } else if self.pattern_kind(&mut normal.pattern)? {
-            if !matches!(normal.kind, NormalKind::NormalMap(_)) || list_length(&normal.pattern.kind).is_some() {
+            let keeps_map = matches!(normal.kind, NormalKind::NormalMap(_) | NormalKind::Pattern { .. });
+            let average = matches!(normal.pattern.kind, PatternKind::Average);
+            if !keeps_map || average || list_length(&normal.pattern.kind).is_some() {
                 normal.kind = NormalKind::Pattern { slope_map: None };
             }
             if let Some(n) = list_length(&normal.pattern.kind) {
@@ -329,12 +364,12 @@ impl Parser<'_> {
         if self.at_kw(Kw::Normal)? {
             let mut entries = Vec::new();
             while entries.len() < n && self.accept_kw(Kw::Normal)? {
-                let mut child = plain_normal();
+                let mut child = self.default_normal();
                 self.block("normal", |p| p.normal_contents(&mut child))?;
                 entries.push(child);
                 self.comma()?;
             }
-            entries.resize_with(n, plain_normal);
+            entries.resize(n, self.default_normal());
             normal.kind = NormalKind::NormalMap(Arc::new(list_map(entries)));
         }
         let kind = normal.pattern.kind.clone();
@@ -343,57 +378,52 @@ impl Parser<'_> {
 
     fn normal_modifiers(&mut self, normal: &mut Normal) -> PResult<()> {
         loop {
-            self.comma()?;
-            if let Some(k) = self.peek_kw()? {
-                match k {
-                    Kw::BumpSize => {
-                        self.next()?;
-                        normal.amount = self.parse_float()? as f32;
-                        continue;
-                    }
-                    Kw::Accuracy => {
-                        self.next()?;
-                        normal.accuracy = self.parse_float()? as f32;
-                        continue;
-                    }
-                    Kw::NoBumpScale => {
-                        self.next()?;
-                        normal.no_bump_scale = true;
-                        continue;
-                    }
-                    Kw::UvMapping => {
-                        self.next()?;
-                        normal.uv_mapping = true;
-                        continue;
-                    }
-                    Kw::SlopeMap => {
-                        self.next()?;
-                        normal.kind = NormalKind::Pattern { slope_map: Some(self.parse_slope_map()?) };
-                        continue;
-                    }
-                    Kw::NormalMap => {
-                        self.next()?;
-                        let map = self.parse_normal_map()?;
-                        normal.kind = if matches!(normal.pattern.kind, PatternKind::Average) {
-                            NormalKind::Average(map)
-                        } else {
-                            NormalKind::NormalMap(map)
-                        };
-                        continue;
-                    }
-                    _ => {}
+            let Some(k) = self.peek_kw()? else { break };
+            match k {
+                Kw::BumpSize => {
+                    self.next()?;
+                    normal.amount = self.parse_float()? as f32;
                 }
-            }
-            if !self.pattern_modifier(&mut normal.pattern)? {
-                return Ok(());
+                Kw::Accuracy => {
+                    self.next()?;
+                    normal.accuracy = self.parse_float()? as f32;
+                }
+                Kw::NoBumpScale => {
+                    self.next()?;
+                    normal.no_bump_scale = true;
+                }
+                Kw::SlopeMap => {
+                    self.next()?;
+                    let p = &normal.pattern.kind;
+                    let own = matches!(p, PatternKind::Plain | PatternKind::Average);
+                    if own || matches!(normal.kind, NormalKind::BumpMap(_)) || list_length(p).is_some() {
+                        return Err(self.error("Keyword 'slope_map' cannot be used with this normal type."));
+                    }
+                    normal.kind = NormalKind::Pattern { slope_map: Some(self.parse_slope_map()?) };
+                }
+                Kw::NormalMap => {
+                    self.next()?;
+                    let is_image = matches!(normal.kind, NormalKind::BumpMap(_));
+                    self.check_map(&normal.pattern.kind, is_image, k, false)?;
+                    let average = matches!(normal.pattern.kind, PatternKind::Average);
+                    let map = self.parse_normal_map(average)?;
+                    normal.kind = if average { NormalKind::Average(map) } else { NormalKind::NormalMap(map) };
+                }
+                _ if self.pattern_modifier(&mut normal.pattern)? => {}
+                _ => break,
             }
         }
+        if matches!(normal.pattern.kind, PatternKind::Average) && !matches!(normal.kind, NormalKind::Average(_)) {
+            return Err(self.error("Average must have map."));
+        }
+        Ok(())
     }
 
     /// `{ ... }` after `finish`, going on from `start`.
     pub(super) fn finish_block_from(&mut self, start: Arc<Finish>) -> PResult<(Arc<Finish>, FinishExtras)> {
         self.block("finish", |p| {
-            let (mut f, mut extras) = ((*start).clone(), FinishExtras::default());
+            let known = p.finish_extras.get(&(Arc::as_ptr(&start) as usize)).map(|e| e.1);
+            let (mut f, mut extras) = ((*start).clone(), known.unwrap_or_default());
             if let Some(Value::Finish(known, e)) = p.peek_value()? {
                 (f, extras) = ((**known).clone(), **e);
                 p.next()?;
@@ -464,7 +494,7 @@ impl Parser<'_> {
                 }
                 Kw::ConserveEnergy => {
                     self.next()?;
-                    f.conserve_energy = self.parse_switch()?;
+                    f.conserve_energy = true;
                 }
                 Kw::Crand => {
                     self.next()?;
@@ -493,14 +523,8 @@ impl Parser<'_> {
                     extras.refraction = Some(self.parse_float()?);
                     self.warn("Parse Warning: Refraction value unnecessary to turn on refraction.");
                 }
-                Kw::FadeDistance | Kw::FadePower => {
-                    self.next()?;
-                    self.parse_float()?;
-                    self.warn("Parse Warning: Fade values should be specified in 'interior' statement.");
-                }
                 _ => break,
             }
-            self.comma()?;
         }
         if diffuse_albedo {
             let scale = (f.brilliance + 1.0) / 2.0;
@@ -518,25 +542,32 @@ impl Parser<'_> {
     }
 
     fn reflection(&mut self, f: &mut Finish) -> PResult<()> {
+        f.reflection.fresnel = false;
         if !self.accept(Punct::LBrace)? {
             let c = self.parse_rgb()?;
             (f.reflection.min, f.reflection.max) = (c, c);
-            f.reflection.fresnel = false;
             return Ok(());
         }
-        f.reflection.fresnel = false;
-        let first = self.parse_rgb()?;
-        self.comma()?;
-        let two = self.color_follows()? || self.number_follows()?;
-        let second = if two { self.parse_rgb()? } else { first };
-        (f.reflection.min, f.reflection.max) = (first, second);
-        loop {
+        let mut colors = [Vec3::ZERO; 2];
+        let mut n = 0;
+        while n < 2 && (self.color_follows()? || self.number_follows()?) {
+            colors[n] = self.parse_rgb()?;
             self.comma()?;
-            let Some(k) = self.peek_kw()? else { break };
+            n += 1;
+        }
+        if n == 1 {
+            colors[1] = colors[0];
+        }
+        (f.reflection.min, f.reflection.max) = (colors[0], colors[1]);
+        while let Some(k) = self.peek_kw()? {
             match k {
                 Kw::Fresnel => {
                     self.next()?;
-                    f.reflection.fresnel = self.parse_switch()?;
+                    let x = if self.number_follows()? { self.parse_float()? } else { 1.0 };
+                    if x != 0.0 && x != 1.0 {
+                        return Err(self.error("fresnel must be true or false"));
+                    }
+                    f.reflection.fresnel = x != 0.0;
                 }
                 Kw::Falloff => {
                     self.next()?;
@@ -553,7 +584,7 @@ impl Parser<'_> {
                 _ => break,
             }
         }
-        if f.reflection.fresnel && !two {
+        if f.reflection.fresnel && n < 2 {
             f.reflection.min = Vec3::ZERO;
         }
         self.close_block("reflection")
@@ -563,7 +594,6 @@ impl Parser<'_> {
         self.block("irid", |p| {
             let mut irid = [p.parse_float()? as f32, 0.0, 0.0];
             loop {
-                p.comma()?;
                 if p.accept_kw(Kw::Thickness)? {
                     irid[1] = p.parse_float()? as f32;
                 } else if p.accept_kw(Kw::Turbulence)? {
@@ -629,6 +659,7 @@ impl Parser<'_> {
             }
         }
         let mut texture = Arc::unwrap_or_clone(texture.take().unwrap_or_else(|| self.defaults.texture()));
+        self.bare_parts(&mut texture)?;
         loop {
             if let Some(t) = self.parse_transform()? {
                 texture.transform(&t);
@@ -636,37 +667,33 @@ impl Parser<'_> {
             }
             if let Texture::Layers(layers) = &mut texture {
                 let layer = layers.last_mut().expect("a plain texture has a layer");
-                match self.peek_value()? {
-                    Some(Value::Pigment(p)) => {
-                        layer.pigment = p.clone();
-                        self.next()?;
-                        continue;
-                    }
-                    Some(Value::Normal(n)) => {
-                        layer.normal = Some(n.clone());
-                        self.next()?;
-                        continue;
-                    }
-                    Some(Value::Finish(f, _)) => {
-                        layer.finish = f.clone();
-                        self.next()?;
-                        continue;
-                    }
-                    _ => {}
-                }
                 if self.plain_part(layer)? {
                     continue;
                 }
-            } else if let Texture::Map { pattern, .. } | Texture::Average { pattern, .. } | Texture::MaterialMap { pattern, .. } =
-                &mut texture
-                && self.pattern_modifier(pattern)?
-            {
-                continue;
             }
             break;
         }
         let texture = Arc::new(texture);
         Ok(if uv_mapping { on_uv(texture) } else { texture })
+    }
+
+    /// Names of pigments, normals and finishes right behind a texture's brace or its name.
+    fn bare_parts(&mut self, texture: &mut Texture) -> PResult<()> {
+        let Texture::Layers(layers) = texture else { return Ok(()) };
+        let layer = layers.last_mut().expect("a plain texture has a layer");
+        loop {
+            match self.peek_value()? {
+                Some(Value::Pigment(p)) => layer.pigment = p.clone(),
+                Some(Value::Normal(n)) => layer.normal = Some(n.clone()),
+                Some(Value::Finish(f, extras)) => {
+                    layer.finish = f.clone();
+                    let (f, extras) = (f.clone(), **extras);
+                    self.keep_extras(&f, extras);
+                }
+                _ => return Ok(()),
+            }
+            self.next()?;
+        }
     }
 
     /// `pigment`, `normal`, `finish` or `no_bump_scale` of a plain texture, if one is next.
@@ -682,7 +709,9 @@ impl Parser<'_> {
             }
             Some(Kw::Finish) => {
                 self.next()?;
-                layer.finish = self.finish_block_from(layer.finish.clone())?.0;
+                let extras;
+                (layer.finish, extras) = self.finish_block_from(layer.finish.clone())?;
+                self.keep_extras(&layer.finish, extras);
             }
             Some(Kw::NoBumpScale) => {
                 self.next()?;
@@ -710,14 +739,15 @@ impl Parser<'_> {
             map = Some(list_map(entries));
         }
         loop {
-            self.comma()?;
             if self.accept_kw(Kw::TextureMap)? {
-                map = Some(Arc::unwrap_or_clone(self.parse_texture_map()?));
+                self.check_map(&pattern.kind, false, Kw::TextureMap, false)?;
+                let average = matches!(pattern.kind, PatternKind::Average);
+                map = Some(Arc::unwrap_or_clone(self.parse_texture_map(average)?));
             } else if !self.pattern_modifier(&mut pattern)? {
                 break;
             }
         }
-        let Some(map) = map else { return self.expected("texture_map") };
+        let Some(map) = map else { return Err(self.error("Patterned texture must have texture_map.")) };
         Ok(Arc::new(if matches!(pattern.kind, PatternKind::Average) {
             Texture::Average { pattern, map, uv_mapping: false }
         } else {
@@ -731,7 +761,6 @@ impl Parser<'_> {
             let mut textures = Vec::new();
             while p.accept_kw(Kw::Texture)? {
                 textures.push(p.parse_texture_block()?);
-                p.comma()?;
             }
             if textures.is_empty() {
                 return p.expected("texture");
@@ -745,21 +774,48 @@ impl Parser<'_> {
 
     fn tiles(&mut self) -> PResult<Arc<Texture>> {
         let (a, b) = self.block("tiles", |p| {
-            let mut pair = [p.defaults.texture(), p.defaults.texture()];
-            if p.accept_kw(Kw::Texture)? {
-                pair[0] = p.parse_texture_block()?;
-            }
+            let a = p.texture_layers()?;
             p.expect_kw(Kw::Tile2)?;
-            if p.accept_kw(Kw::Texture)? {
-                pair[1] = p.parse_texture_block()?;
-            }
-            let [a, b] = pair;
+            let b = p.texture_layers()?;
             Ok((a, b))
         })?;
         // The first is the odd cell of a checker.
         let mut pattern = Pattern { kind: PatternKind::Checker, frequency: 0.0, ..Pattern::default() };
         while self.pattern_modifier(&mut pattern)? {}
         Ok(Arc::new(Texture::Map { pattern, map: list_map(vec![b, a]), uv_mapping: false }))
+    }
+
+    /// `texture{}` blocks, each over the one before; the default when there is none.
+    fn texture_layers(&mut self) -> PResult<Arc<Texture>> {
+        let mut all = None;
+        while self.accept_kw(Kw::Texture)? {
+            let layer = self.parse_texture_block()?;
+            all = Some(self.layer_texture(all, layer)?);
+        }
+        Ok(all.unwrap_or_else(|| self.defaults.texture()))
+    }
+
+    /// Remembers what a finish inside a texture says of the interior, until an object takes the texture.
+    pub(super) fn keep_extras(&mut self, finish: &Arc<Finish>, extras: FinishExtras) {
+        if extras != FinishExtras::default() {
+            self.finish_extras.insert(Arc::as_ptr(finish) as usize, (finish.clone(), extras));
+        }
+    }
+
+    /// What the finishes of a texture say of the interior.
+    pub(super) fn texture_extras(&self, texture: &Texture) -> FinishExtras {
+        let mut all = FinishExtras::default();
+        let Texture::Layers(layers) = texture else { return all };
+        for l in layers {
+            if let Some((_, e)) = self.finish_extras.get(&(Arc::as_ptr(&l.finish) as usize)) {
+                all = FinishExtras {
+                    ior: e.ior.or(all.ior),
+                    caustics: e.caustics.or(all.caustics),
+                    refraction: e.refraction.or(all.refraction),
+                };
+            }
+        }
+        all
     }
 
     /// Puts a texture over what an object has already.
