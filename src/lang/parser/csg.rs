@@ -13,10 +13,7 @@ impl Parser<'_> {
     pub(super) fn parse_csg(&mut self, op: Csg) -> PResult<Object> {
         let mut children = Vec::new();
         while let Some(child) = self.parse_object()? {
-            if op != Csg::Union
-                && op != Csg::Merge
-                && super::objects::is_patch(&child.shape)
-            {
+            if op != Csg::Union && op != Csg::Merge && super::objects::is_patch(&child.shape) {
                 self.warn("Parse Warning: Patch objects not allowed in intersection.");
             }
             if children.len() >= self.options.max_objects {
