@@ -1,7 +1,7 @@
 //! Patterns of random points, one a unit cell: cells, crackle, facets. Source: spec/textures.md, sections 2 and 3 (measured).
 
 use crate::math::noise::noise;
-use crate::math::random::{UNIFORM_TABLE_LEN, hash3, uniform_table};
+use crate::math::random::{HASH, HASH_LEN, UNIFORM_TABLE_LEN, hash3, uniform_table};
 use crate::math::{DVec3, EPSILON};
 
 /// A random number a cell.
@@ -40,30 +40,89 @@ fn base_cell(p: DVec3) -> [i64; 3] {
     [b.x as i64, b.y as i64, b.z as i64]
 }
 
+/// The `N` smallest distance sums to the points around `p`, and the nearest point. `power` is the metric's term of one axis.
+///
+/// Of the same 81 cells as [`around`] those are skipped whose nearest corner is already too far.
+#[inline(always)]
+fn nearest<const N: usize>(p: DVec3, power: impl Fn(f64) -> f64) -> ([f64; N], DVec3) {
+    const ORDER: [i64; 5] = [0, -1, 1, -2, 2];
+    let table = &uniform_table()[..UNIFORM_TABLE_LEN];
+    let base = base_cell(p);
+    // The least term of each axis for cells in `ORDER`.
+    let least: [[f64; 5]; 3] = std::array::from_fn(|axis| {
+        ORDER.map(|o| {
+            let gap = match o {
+                0 => 0.0,
+                1.. => (base[axis] + o) as f64 - p[axis],
+                _ => p[axis] - (base[axis] + o + 1) as f64,
+            };
+            power(gap.max(0.0))
+        })
+    });
+    let h = |n: usize| usize::from(HASH[n & (HASH_LEN - 1)]);
+    let (mut d, mut nearest) = ([f64::INFINITY; N], DVec3::ZERO);
+    for (i, ox) in ORDER.iter().enumerate() {
+        if least[0][i] >= d[N - 1] {
+            continue;
+        }
+        let hx = h(((base[0] + ox) & 4095) as usize);
+        for (j, oy) in ORDER[..if i > 2 { 3 } else { 5 }].iter().enumerate() {
+            let near_xy = least[0][i] + least[1][j];
+            if near_xy >= d[N - 1] {
+                continue;
+            }
+            let hy = h(hx ^ ((base[1] + oy) & 4095) as usize);
+            for (k, oz) in ORDER[..if i > 2 || j > 2 { 3 } else { 5 }].iter().enumerate() {
+                if near_xy + least[2][k] >= d[N - 1] {
+                    continue;
+                }
+                let hz = h(hy ^ ((base[2] + oz) & 4095) as usize);
+                let r = &table[hz..hz + 3];
+                let q = DVec3::new((base[0] + ox) as f64 + r[0], (base[1] + oy) as f64 + r[1], (base[2] + oz) as f64 + r[2]);
+                let e = q - p;
+                let mut sum = power(e.x.abs()) + power(e.y.abs()) + power(e.z.abs());
+                if sum < d[0] {
+                    nearest = q;
+                }
+                // Keeps the list sorted.
+                for kept in &mut d {
+                    if sum < *kept {
+                        std::mem::swap(&mut sum, kept);
+                    }
+                }
+            }
+        }
+    }
+    (d, nearest)
+}
+
+/// As many distances as the form needs; the others are 0.
+#[inline(always)]
+fn distances(p: DVec3, needed: usize, power: impl Fn(f64) -> f64 + Copy) -> ([f64; 3], DVec3) {
+    match needed {
+        0 | 1 => {
+            let ([a], q) = nearest::<1>(p, power);
+            ([a, 0.0, 0.0], q)
+        }
+        2 => {
+            let ([a, b], q) = nearest::<2>(p, power);
+            ([a, b, 0.0], q)
+        }
+        _ => nearest::<3>(p, power),
+    }
+}
+
 /// Distances to the nearest three points, combined.
 pub fn crackle(p: DVec3, form: DVec3, metric: f64, offset: f64, solid: bool, generator: u8) -> f64 {
-    let base = base_cell(p);
-    let mut nearest = DVec3::ZERO;
-    let mut d = [f64::INFINITY; 3];
     let square = metric == 2.0;
-    around(base, |q| {
-        let e = q - p;
-        let sum = if square {
-            e.length_squared()
-        } else if metric == 1.0 {
-            e.x.abs() + e.y.abs() + e.z.abs()
-        } else {
-            e.x.abs().powf(metric) + e.y.abs().powf(metric) + e.z.abs().powf(metric)
-        };
-        if sum < d[0] {
-            nearest = q;
-            d = [sum, d[0], d[1]];
-        } else if sum < d[1] {
-            d = [d[0], sum, d[1]];
-        } else if sum < d[2] {
-            d[2] = sum;
-        }
-    });
+    let needed = if solid { 1 } else { (0..3).rev().find(|k| form[*k] != 0.0).map_or(1, |k| k + 1) };
+    let (d, nearest) = if square {
+        distances(p, needed, |v| v * v)
+    } else if metric == 1.0 {
+        distances(p, needed, |v| v)
+    } else {
+        distances(p, needed, |v| v.powf(metric))
+    };
     if solid {
         return noise(nearest, generator);
     }
