@@ -27,7 +27,8 @@ pub struct Image {
     pub has_alpha: bool,
     /// The file's channels had more than 8 bits (height fields read such files differently).
     pub deep: bool,
-    /// For height fields: raw red and green bytes of 8-bit colour files, `[height][width][2]`; empty otherwise.
+    /// For height fields: high and low byte of each pixel's height, red and green of 8-bit colour files, `[height][width][2]`;
+    /// empty otherwise.
     pub raw_rg: Vec<[u8; 2]>,
 }
 

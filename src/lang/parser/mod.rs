@@ -9,6 +9,7 @@ mod color;
 mod csg;
 mod curves;
 mod declare;
+mod decode;
 mod directives;
 mod expr;
 mod files;
