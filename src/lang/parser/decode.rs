@@ -123,7 +123,9 @@ pub(super) fn decode_image(bytes: &[u8], rules: Rules) -> Result<Image, String> 
         Some(F::Tiff) => {
             // Of 16 bits the upper 8 count.
             let rgba = match &img {
-                image::DynamicImage::ImageLuma16(_) | image::DynamicImage::ImageLumaA16(_) | image::DynamicImage::ImageRgb16(_)
+                image::DynamicImage::ImageLuma16(_)
+                | image::DynamicImage::ImageLumaA16(_)
+                | image::DynamicImage::ImageRgb16(_)
                 | image::DynamicImage::ImageRgba16(_) => {
                     let deep = img.to_rgba16();
                     let bytes = deep.iter().map(|&c| (c >> 8) as u8).collect();
@@ -269,9 +271,7 @@ fn decode_png(bytes: &[u8], rules: Rules) -> Result<Image, String> {
         png::ColorType::Grayscale if deep => {
             Pixels::Gray16(samples.iter().map(|&s| stored_grey(f(f64::from(s) / most), 65_535.0)).collect())
         }
-        png::ColorType::Grayscale => {
-            Pixels::Gray16(samples.iter().map(|&s| stored_grey(f(f64::from(s) / most), 255.0) * 257).collect())
-        }
+        png::ColorType::Grayscale => Pixels::Gray16(samples.iter().map(|&s| stored_grey(f(f64::from(s) / most), 255.0) * 257).collect()),
         _ if deep => Pixels::Color(
             samples
                 .chunks_exact(n_channels)
@@ -313,14 +313,7 @@ fn decode_gif(bytes: &[u8], rules: Rules) -> Result<Image, String> {
         let half = width as usize / 2;
         let rows = frame.buffer.chunks_exact((width as usize).max(1));
         let pixels = rows.flat_map(|r| (0..half).map(move |i| u16::from_be_bytes([r[i], r[i + half]]))).collect();
-        return Ok(Image {
-            width: half as u32,
-            height,
-            pixels: Pixels::Gray16(pixels),
-            has_alpha: false,
-            deep: true,
-            raw_rg: Vec::new(),
-        });
+        return Ok(Image { width: half as u32, height, pixels: Pixels::Gray16(pixels), has_alpha: false, deep: true, raw_rg: Vec::new() });
     }
     let p = frame.palette.as_ref().or(global.as_ref()).ok_or("it has no palette")?;
     let f = curve(rules, FileSpace::Unknown);
@@ -443,7 +436,8 @@ mod tests {
     #[test]
     fn eight_bit_greys_lose_the_steps_that_povray_loses() {
         // Source: spec/objects.md, section 7: 84 of 256 values are one lower.
-        let lower: Vec<u16> = (0..256).filter(|&g| stored_grey((f64::from(g) / 255.0) as f32, 255.0) < g as u16).map(|g| g as u16).collect();
+        let lower: Vec<u16> =
+            (0..256).filter(|&g| stored_grey((f64::from(g) / 255.0) as f32, 255.0) < g as u16).map(|g| g as u16).collect();
         assert_eq!(lower.len(), 84);
         assert_eq!(lower[..10], [3, 5, 6, 10, 12, 20, 23, 24, 25, 29]);
         assert_eq!(lower[80..], [244, 247, 248, 254]);
