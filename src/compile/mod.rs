@@ -236,7 +236,13 @@ pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -
     for object in &scene.objects {
         flattener.add_visible(object)?;
     }
-    finish(flattener, scene, options)
+    let compiled = finish(flattener, scene, options)?;
+    for p in &compiled.textures.patterns {
+        if let Some(name) = texture::unfinished(&p.code) {
+            sink.note_once(name, None, format!("the pattern '{name}' is not done; it is 0 everywhere"));
+        }
+    }
+    Ok(compiled)
 }
 
 /// Everything of a scene besides objects and lights, and the finished tables.

@@ -26,6 +26,18 @@ pub fn texture_features(t: &TextureTables, f: &mut FeatureSet) {
     debug_assert!(t.normals.iter().all(|n| !matches!(n.code, NormalCode::Map(r) if r.len == 0)), "normal maps have entries");
 }
 
+/// Tilings that the kernel knows: 1 up to this.
+pub const N_TILINGS: u8 = 24;
+
+/// The name of a pattern that the kernel does not evaluate yet.
+pub fn unfinished(code: &PatternCode) -> Option<&'static str> {
+    match code {
+        PatternCode::Tiling(n) if *n > N_TILINGS => Some("tiling 25 to 27"),
+        PatternCode::Pavement { .. } => Some("pavement"),
+        _ => None,
+    }
+}
+
 /// The keyword of a pattern.
 pub fn pattern_name(code: &PatternCode) -> &'static str {
     match code {
