@@ -6,6 +6,7 @@
 pub mod intern;
 pub mod keyword;
 pub mod lexer;
+pub mod options;
 pub mod parser;
 pub mod token;
 pub mod value;
