@@ -30,7 +30,7 @@ pub enum WorldError {
         limit: u64,
     },
     /// Outside the folders that a scene may write to.
-    #[error("'{}' is outside the folders that a scene may {verb} (see --allow-io)", path.display())]
+    #[error("'{}' is outside the folders that a scene may {verb} (more are allowed by --allow-io DIR, or Allow_IO=DIR)", path.display())]
     Forbidden {
         /// "read" or "write".
         verb: &'static str,
@@ -46,6 +46,10 @@ pub trait World {
     fn find(&self, name: &str, extensions: &[&str]) -> Option<PathBuf>;
     /// A whole file.
     fn read(&self, path: &Path) -> Result<Arc<[u8]>, WorldError>;
+    /// A whole file that a scene opens by `#fopen`, which is not free to read everywhere.
+    fn read_user_file(&self, path: &Path) -> Result<Arc<[u8]>, WorldError> {
+        self.read(path)
+    }
     /// Replaces or appends to a file that a scene writes (`#fopen ... write`).
     fn write(&self, path: &Path, bytes: &[u8], append: bool) -> Result<(), WorldError>;
     /// Seconds since 2000-01-01 00:00:00 UTC.
@@ -62,6 +66,18 @@ pub struct DiskWorld {
     pub current_dir: PathBuf,
     /// Searched in order after the current folder.
     pub library_paths: Vec<PathBuf>,
+    /// Folders that `#fopen` may write to, and read from besides the library paths; empty: everywhere.
+    pub io_folders: Vec<PathBuf>,
+}
+
+impl DiskWorld {
+    /// Whether `path` lies in one of `folders`, links followed. A file that does not exist lies where its folder is.
+    fn lies_in<'f>(path: &Path, mut folders: impl Iterator<Item = &'f PathBuf>) -> bool {
+        let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let place = path.canonicalize().or_else(|_| parent.canonicalize());
+        let real = |f: &PathBuf| if f.as_os_str().is_empty() { Path::new(".").canonicalize() } else { f.canonicalize() };
+        place.is_ok_and(|p| folders.any(|f| real(f).is_ok_and(|f| p.starts_with(f))))
+    }
 }
 
 impl World for DiskWorld {
@@ -95,8 +111,18 @@ impl World for DiskWorld {
         Ok(std::fs::read(path).map_err(io)?.into())
     }
 
+    fn read_user_file(&self, path: &Path) -> Result<Arc<[u8]>, WorldError> {
+        if !self.io_folders.is_empty() && !Self::lies_in(path, self.io_folders.iter().chain(&self.library_paths)) {
+            return Err(WorldError::Forbidden { verb: "read", path: path.to_owned() });
+        }
+        self.read(path)
+    }
+
     fn write(&self, path: &Path, bytes: &[u8], append: bool) -> Result<(), WorldError> {
         use std::io::Write;
+        if !self.io_folders.is_empty() && !Self::lies_in(path, self.io_folders.iter()) {
+            return Err(WorldError::Forbidden { verb: "write", path: path.to_owned() });
+        }
         let io = |source| WorldError::Io { verb: "write", path: path.to_owned(), source };
         let mut f = std::fs::OpenOptions::new().create(true).append(append).truncate(!append).write(true).open(path).map_err(io)?;
         f.write_all(bytes).map_err(io)

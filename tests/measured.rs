@@ -35,7 +35,7 @@ fn entries(text: &str) -> Vec<(&str, &str, Vec<&str>)> {
 
 fn parse(text: &str, width: u32, height: u32) -> Parsed {
     let includes = PathBuf::from("/usr/share/povray-3.7/include");
-    let world = DiskWorld { current_dir: folder(), library_paths: vec![includes] };
+    let world = DiskWorld { current_dir: folder(), library_paths: vec![includes], ..DiskWorld::default() };
     let (mut map, mut sink) = (SourceMap::default(), Sink::default());
     let options = LangOptions { width, height, ..LangOptions::default() };
     let parsed = parse_scene("measured.pov", text.as_bytes(), &world, &KernelQuery::new(), &options, &mut map, &mut sink);

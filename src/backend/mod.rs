@@ -37,6 +37,16 @@ pub trait Progress: Sync {
     fn pixels(&self, done: u64, total: u64);
 }
 
+/// GPUs that could render, each as "name (driver)".
+pub fn device_names() -> Vec<String> {
+    Vec::new()
+}
+
+/// Why [`device_names`] is empty.
+pub fn why_no_device() -> &'static str {
+    if cfg!(feature = "gpu") { "none was found" } else { "this program was built without the GPU back end" }
+}
+
 /// A machine.
 pub trait Backend {
     /// "CPU, 2 threads", "NVIDIA H100 (Vulkan)".

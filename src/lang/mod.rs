@@ -14,7 +14,6 @@ pub mod value;
 use crate::diag::{Diagnostic, Sink, SourceMap};
 use crate::scene::{Scene, SceneQuery};
 use crate::world::World;
-use std::path::PathBuf;
 
 /// A constant given from outside (`Declare=`).
 #[derive(Clone, Debug, PartialEq)]
@@ -44,8 +43,6 @@ pub struct LangOptions {
     pub header: Option<String>,
     /// Initial language version times 100, when given (`+MV`).
     pub version: Option<u32>,
-    /// Folders that the scene may write to and read its own files from, besides anything along the library paths; empty: everywhere.
-    pub io_folders: Vec<PathBuf>,
     /// Steps of loops and macro calls after which a scene is called endless.
     pub max_steps: u64,
     /// Most objects that a scene may place.
@@ -63,9 +60,8 @@ impl Default for LangOptions {
             declares: Vec::new(),
             header: None,
             version: None,
-            io_folders: Vec::new(),
-            max_steps: 2_000_000_000,
-            max_objects: 20_000_000,
+            max_steps: 500_000_000,
+            max_objects: 10_000_000,
         }
     }
 }

@@ -15,6 +15,7 @@ pub use output::OutputName;
 
 use super::Declared;
 use crate::world::World;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// A setting that could not be made.
@@ -151,6 +152,8 @@ pub struct PovOptions {
     pub backend: String,
     pub accel: String,
     pub allow_io: Vec<PathBuf>,
+    /// Every option that was set, by key, with its last value.
+    pub given: BTreeMap<String, String>,
     /// Options that were taken and change nothing here, each once, with its reason.
     pub ignored: Vec<(String, &'static str)>,
 }
@@ -210,6 +213,7 @@ impl Default for PovOptions {
             backend: "auto".into(),
             accel: "auto".into(),
             allow_io: Vec::new(),
+            given: BTreeMap::new(),
             ignored: Vec::new(),
         }
     }
@@ -238,6 +242,11 @@ impl PovOptions {
             options.word(word, "command line", world, 0)?;
         }
         Ok(options)
+    }
+
+    /// All options that were set as the text of an INI file, in the order of their keys.
+    pub fn as_ini(&self) -> String {
+        self.given.iter().map(|(k, v)| format!("{k}={v}\n")).collect()
     }
 
     /// Whether several frames are asked for.

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 impl PovOptions {
     /// Sets the option of a known lower-case `key`; the error says what is wrong with the value.
     pub(super) fn set(&mut self, key: &str, value: &str) -> Result<(), String> {
+        self.given.insert(key.to_owned(), value.to_owned());
         match key {
             "width" => self.width = int(value)?,
             "height" => self.height = int(value)?,

@@ -67,7 +67,7 @@ impl Parser<'_> {
             let Some(path) = self.world.find(&file_name, &[]) else {
                 return Err(self.error(format!("Cannot open user file {file_name} (read).")));
             };
-            let bytes = self.world.read(&path).map_err(|e| self.error(e.to_string()))?;
+            let bytes = self.world.read_user_file(&path).map_err(|e| self.error(e.to_string()))?;
             let file = self.map.add(file_name.as_str(), path.clone(), bytes.clone());
             let tokens = crate::lang::lexer::lex(file, &bytes, false, &mut self.interner).0;
             (path, Mode::Read { tokens: tokens.into(), at: 0 })

@@ -1,0 +1,28 @@
+//! Ctrl-C and SIGTERM: the first asks the renderer to stop and save, the next ends the program at once.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What a signal finds.
+#[derive(Clone, Debug)]
+pub struct Interrupt {
+    /// Set by the first signal.
+    pub cancel: Arc<AtomicBool>,
+    /// Whether rays are traced: before that there is nothing to save, and the first signal ends the program.
+    pub rendering: Arc<AtomicBool>,
+}
+
+impl Interrupt {
+    /// Listens to signals; `exit_code` is for those that end the program at once.
+    pub fn listen(exit_code: u8) -> Self {
+        let own = Self { cancel: Arc::default(), rendering: Arc::default() };
+        let seen = own.clone();
+        // Without a handler the signal ends the program, which is no worse than before.
+        let _ = ctrlc::set_handler(move || {
+            if seen.cancel.swap(true, Ordering::SeqCst) || !seen.rendering.load(Ordering::SeqCst) {
+                std::process::exit(i32::from(exit_code));
+            }
+        });
+        own
+    }
+}

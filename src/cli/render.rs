@@ -1,0 +1,335 @@
+//! `rayloom render`: any scene to a picture.
+
+use super::console::{print_error, style};
+use super::interrupt::Interrupt;
+use super::progress::{ProgressKind, ProgressView};
+use clap::{Args, ValueEnum};
+use rayloom::diag::{Diagnostic, SourceMap, Style, render};
+use rayloom::film::{FileFormat, FileGamma};
+use rayloom::integrate::{Antialias, IntegratorKind};
+use rayloom::job::{BackendChoice, Job, JobError, Listener, Outcome, SceneFormat, Stage, Target, accel_named, all_cores, include_folders, job_for_frame};
+use rayloom::lang::Stream;
+use rayloom::lang::options::{Environment, PovOptions, frames};
+use rayloom::world::DiskWorld;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::Ordering;
+
+/// Arguments of `rayloom render`.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// Scene: .pov, .glb, .gltf, .obj, or a POV-Ray .ini (file.ini[section])
+    scene: String,
+    /// Picture to write: .png, .exr, .hdr, .jpg, .tga, .ppm or .bmp [default: the scene's name with .png]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Width and height in pixels [default: 800x600, or what the .ini says]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+    /// Machine: the GPU when there is one that can render the scene, the CPU, the GPU
+    #[arg(long, value_enum, default_value_t = BackendArg::Auto)]
+    backend: BackendArg,
+    /// Tree over the geometry
+    #[arg(long, value_parser = ["auto", "kd", "bvh", "brute"], default_value = "auto")]
+    accel: String,
+    /// Light transport: POV-Ray's own, or unbiased path tracing
+    #[arg(long, value_enum, default_value_t = IntegratorArg::Auto)]
+    integrator: IntegratorArg,
+    /// Samples a pixel, instead of POV-Ray's antialiasing [default for models: 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    spp: Option<u32>,
+    /// Render samples A to B-1 of each pixel; ranges rendered apart are joined by `rayloom merge`
+    #[arg(long, value_name = "A..B", value_parser = parse_range, conflicts_with = "spp")]
+    samples: Option<(u32, u32)>,
+    /// POV-Ray's antialiasing of scenes: off, or a threshold from 0 to 1
+    #[arg(long, value_name = "T", default_value = "0.3", value_parser = parse_antialias)]
+    antialias: AntialiasArg,
+    /// Its method
+    #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
+    antialias_method: u8,
+    /// Its depth
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=9))]
+    antialias_depth: u8,
+    /// Threads of the CPU [default: all cores]; the picture does not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
+    threads: Option<u16>,
+    /// Seed of random numbers
+    #[arg(long, default_value_t = 0)]
+    seed: u32,
+    /// Render a part: left, top, right, bottom in pixels, right and bottom exclusive
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_crop)]
+    crop: Option<[u32; 4]>,
+    /// Animation frames A to B of a scene that uses the clock; numbers are put before the picture's extension
+    #[arg(long, value_name = "A..B", value_parser = parse_range)]
+    frames: Option<(u32, u32)>,
+    /// Value of the scene's clock
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    clock: Option<f64>,
+    /// Folder to search for includes, images and fonts; may be given again
+    #[arg(short = 'L', long = "library", value_name = "DIR")]
+    library: Vec<PathBuf>,
+    /// Transparent background: the picture gets an alpha channel
+    #[arg(long)]
+    alpha: bool,
+    /// POV-Ray's quality level
+    #[arg(long, value_name = "0..9", default_value_t = 9, value_parser = clap::value_parser!(u8).range(0..=11))]
+    quality: u8,
+    /// Bits per channel of PNG and PPM
+    #[arg(long, value_name = "8|16", default_value_t = 8, value_parser = clap::value_parser!(u8).range(8..=16))]
+    bits: u8,
+    /// How to show progress
+    #[arg(long, value_enum, default_value_t = ProgressKind::Auto)]
+    progress: ProgressKind,
+    /// Write times and counts as JSON
+    #[arg(long, value_name = "FILE")]
+    stats: Option<PathBuf>,
+    /// Do all the work, also what the scene does not need; the pixels are the same
+    #[arg(long)]
+    no_skip: bool,
+    /// Go on where an interrupted run of the same command ended
+    #[arg(long)]
+    resume: bool,
+    /// Folder that the scene may write files to, besides its own, the picture's and the temporary one; may be given again
+    #[arg(long, value_name = "DIR")]
+    allow_io: Vec<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum BackendArg {
+    Auto,
+    Cpu,
+    Gpu,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum IntegratorArg {
+    Auto,
+    Classic,
+    Path,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum AntialiasArg {
+    Off,
+    Threshold(f32),
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let parts = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    parts.ok_or_else(|| "write WIDTHxHEIGHT, as in 640x480".into())
+}
+
+fn parse_range(text: &str) -> Result<(u32, u32), String> {
+    let parts = text.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    parts.filter(|(a, b)| a <= b).ok_or_else(|| "write A..B with A not above B, as in 0..16".into())
+}
+
+fn parse_crop(text: &str) -> Result<[u32; 4], String> {
+    let parts: Option<Vec<u32>> = text.split(',').map(|p| p.trim().parse().ok()).collect();
+    match parts.as_deref() {
+        Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok([x0, y0, x1, y1]),
+        _ => Err("write X0,Y0,X1,Y1 with X0 below X1 and Y0 below Y1".into()),
+    }
+}
+
+fn parse_antialias(text: &str) -> Result<AntialiasArg, String> {
+    if text == "off" {
+        return Ok(AntialiasArg::Off);
+    }
+    match text.parse::<f32>() {
+        Ok(t) if (0.0..=1.0).contains(&t) => Ok(AntialiasArg::Threshold(t)),
+        _ => Err("write off, or a threshold from 0 to 1".into()),
+    }
+}
+
+/// Runs it.
+pub fn run(args: &RenderArgs) -> ExitCode {
+    let interrupt = Interrupt::listen(130);
+    let jobs = match jobs(args) {
+        Ok(jobs) => jobs,
+        Err(e) => {
+            print_error(&e.to_string());
+            return ExitCode::from(e.exit_code());
+        }
+    };
+    let n = jobs.len();
+    for (k, job) in jobs.iter().enumerate() {
+        let view = ProgressView::new(args.progress);
+        if n > 1 {
+            view.line(&format!("frame {} of {n}\n", k + 1));
+        }
+        let listener = RenderListener { view, style: style(), interrupt: interrupt.clone() };
+        let result = rayloom::job::run(job, &listener, &interrupt.cancel);
+        listener.view.finish();
+        interrupt.rendering.store(false, Ordering::SeqCst);
+        let told = match result {
+            Ok(outcome) => report(args, job, &outcome, &listener.view),
+            Err(e) => {
+                listener.view.event(&serde_json::json!({"event": "failed", "message": e.to_string(), "exit_code": e.exit_code()}));
+                // What is wrong with a scene was said where it was found.
+                if !matches!(e, JobError::Scene) {
+                    print_error(&e.to_string());
+                }
+                Err(e.exit_code())
+            }
+        };
+        if let Err(code) = told {
+            return ExitCode::from(code);
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+/// Says what was done; the error is an exit code.
+fn report(args: &RenderArgs, job: &Job, o: &Outcome, view: &ProgressView) -> Result<(), u8> {
+    let [load, compile, trace, write] = o.seconds;
+    if let Some(path) = &o.written {
+        view.line(&format!("{} ({}x{}) on {} in {:.2} s\n", path.display(), job.render.width, job.render.height, o.device, load + compile + trace + write));
+    }
+    let stats = serde_json::json!({
+        "scene": job.source.path, "output": o.written, "device": o.device,
+        "width": job.render.width, "height": job.render.height,
+        "objects": o.counts[0], "primitives": o.counts[1], "lights": o.counts[2],
+        "seconds": {"load": load, "compile": compile, "render": trace, "write": write},
+        "version": env!("CARGO_PKG_VERSION"),
+    });
+    view.event(&serde_json::json!({"event": "finished", "stats": stats}));
+    if let Some(path) = &args.stats
+        && let Err(e) = std::fs::write(path, format!("{stats:#}\n"))
+    {
+        print_error(&format!("cannot write '{}': {e}", path.display()));
+        return Err(4);
+    }
+    Ok(())
+}
+
+/// The jobs of all frames.
+fn jobs(args: &RenderArgs) -> Result<Vec<Job>, JobError> {
+    let is_ini = args.scene.to_ascii_lowercase().split('[').next().is_some_and(|f| f.ends_with(".ini"));
+    let env = Environment::default();
+    let usage = |e: &dyn std::fmt::Display| JobError::Options(e.to_string());
+    let words: Vec<String> = if is_ini { vec![args.scene.clone()] } else { Vec::new() };
+    let mut o = PovOptions::from_command_line(&words, &env, &DiskWorld::default()).map_err(|e| usage(&e))?;
+    if !is_ini {
+        (o.width, o.height) = (800, 600);
+        o.antialias = args.antialias != AntialiasArg::Off;
+        o.input = Some(args.scene.clone());
+        o.antialias_depth = args.antialias_depth;
+        o.sampling_method = args.antialias_method;
+        o.jitter = false;
+        if let AntialiasArg::Threshold(t) = args.antialias {
+            o.antialias_threshold = f64::from(t);
+        }
+    }
+    if let Some((w, h)) = args.size {
+        (o.width, o.height) = (w, h);
+    }
+    if let Some((first, last)) = args.frames {
+        o.initial_frame = i32::try_from(first).map_err(|e| usage(&e))?;
+        o.final_frame = i32::try_from(last).map_err(|e| usage(&e))?;
+    }
+    if let Some(t) = args.clock {
+        (o.clock, o.clock_on) = (t, true);
+    }
+    o.library_paths.splice(0..0, args.library.iter().map(|p| p.display().to_string()));
+    o.library_paths.extend(include_folders().map(|p| p.display().to_string()));
+    o.allow_io.extend(args.allow_io.iter().cloned());
+    let Some(input) = o.input.clone().map(PathBuf::from) else {
+        return Err(JobError::Options(format!("'{}' names no scene (Input_File_Name)", args.scene)));
+    };
+    frames(&o).iter().map(|frame| finish(args, &o, job_for_frame(&o, &input, frame)?, &input, frame.digits, frame.number)).collect()
+}
+
+/// What `render` says beyond POV-Ray's options.
+fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits: usize, number: i32) -> Result<Job, JobError> {
+    if let Some(path) = &args.output {
+        let Some(mut format) = FileFormat::from_path(path) else {
+            return Err(JobError::Options(format!(
+                "'{}': the picture's name must end in .png, .exr, .hdr, .jpg, .tga, .ppm or .bmp",
+                path.display()
+            )));
+        };
+        if let FileFormat::Png { bits, .. } | FileFormat::Ppm { bits, .. } = &mut format {
+            *bits = args.bits;
+        }
+        let path = if digits > 0 {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            let extension = path.extension().unwrap_or_default().to_string_lossy();
+            path.with_file_name(format!("{stem}{number:0digits$}.{extension}"))
+        } else {
+            path.clone()
+        };
+        job.target = Some(Target { path: Some(path), format, file_gamma: FileGamma::Srgb, alpha: args.alpha || o.output_alpha, dither: false });
+        job.source.io_folders.push(job.target.as_ref().and_then(|t| t.path.as_ref()?.parent()).map_or_else(PathBuf::new, Path::to_path_buf));
+    }
+    let r = &mut job.render;
+    r.output_alpha |= args.alpha;
+    r.seed = args.seed;
+    r.threads = args.threads.map_or_else(all_cores, usize::from);
+    if let Some(crop) = args.crop {
+        if crop[2] > r.width || crop[3] > r.height {
+            return Err(JobError::Options(format!("the crop reaches beyond the picture of {} by {}", r.width, r.height)));
+        }
+        r.crop = crop;
+    }
+    let is_model = SceneFormat::of(input) == SceneFormat::Model;
+    r.integrator = match args.integrator {
+        IntegratorArg::Path => IntegratorKind::Path,
+        IntegratorArg::Auto | IntegratorArg::Classic => IntegratorKind::Classic,
+    };
+    let samples = args.samples.map(|(a, b)| a..b).or(args.spp.map(|n| 0..n)).or(is_model.then_some(0..16));
+    if let Some(range) = samples {
+        if range.is_empty() {
+            return Err(JobError::Options("the range of samples is empty".into()));
+        }
+        r.samples = range;
+        r.antialias = None::<Antialias>;
+    }
+    job.compile.quality = args.quality.min(9);
+    job.compile.skip = !args.no_skip;
+    job.compile.accel = accel_named(&args.accel);
+    job.backend = match args.backend {
+        BackendArg::Auto => BackendChoice::Auto,
+        BackendArg::Cpu => BackendChoice::Cpu,
+        BackendArg::Gpu => BackendChoice::Gpu,
+    };
+    job.resume = args.resume;
+    Ok(job)
+}
+
+struct RenderListener {
+    view: ProgressView,
+    style: Style,
+    interrupt: Interrupt,
+}
+
+impl Listener for RenderListener {
+    fn stage(&self, stage: &Stage) {
+        match stage {
+            Stage::Loading => self.view.event(&serde_json::json!({"event": "loading"})),
+            Stage::Compiling => self.view.event(&serde_json::json!({"event": "compiling"})),
+            Stage::Rendering { device, resumed_pixels } => {
+                self.interrupt.rendering.store(true, Ordering::SeqCst);
+                self.view.event(&serde_json::json!({"event": "rendering", "device": device, "resumed_pixels": resumed_pixels}));
+            }
+            Stage::Writing => self.view.event(&serde_json::json!({"event": "writing"})),
+        }
+    }
+
+    fn diagnostic(&self, d: &Diagnostic, map: &SourceMap) {
+        let text = render(d, map, Style::default());
+        let place = d.span.map(|s| map.position(s)).map(|(f, l, c)| serde_json::json!({"file": f, "line": l, "column": c}));
+        self.view.event(&serde_json::json!({
+            "event": "diagnostic", "severity": format!("{:?}", d.severity).to_lowercase(), "message": d.message, "place": place, "text": text,
+        }));
+        self.view.line(&render(d, map, self.style));
+    }
+
+    fn text(&self, _stream: Stream, text: &str) {
+        self.view.line(text);
+    }
+
+    fn pixels(&self, done: u64, total: u64) {
+        self.view.pixels(done, total);
+    }
+}

@@ -1,0 +1,207 @@
+//! One picture from its scene file to its own file: load → compile → render → write, with progress, cancel and resume.
+//!
+//! The command line decides what a [`Job`] is and prints what a [`Listener`] hears; nothing here prints or reads arguments.
+
+mod backend;
+mod load;
+mod pov;
+mod write;
+
+pub use backend::BackendChoice;
+pub use load::{SceneFormat, Source, include_folders, load_scene};
+pub use pov::{accel_named, all_cores, check_size, job_for_frame};
+pub use write::Target;
+
+use crate::backend::{BackendError, Progress};
+use crate::compile::{CompileError, CompileOptions, CompiledScene};
+use crate::diag::{Diagnostic, Sink, SourceMap};
+use crate::film::{Film, FilmError};
+use crate::import::ImportError;
+use crate::integrate::RenderSettings;
+use crate::lang::Stream;
+use crate::world::WorldError;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// A picture to be made.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// The scene.
+    pub source: Source,
+    /// Where the picture goes; `None` renders and throws away.
+    pub target: Option<Target>,
+    /// Size, samples, antialiasing, threads.
+    pub render: RenderSettings,
+    /// Quality, tree, skipping.
+    pub compile: CompileOptions,
+    /// Which machine.
+    pub backend: BackendChoice,
+    /// Go on from what an interrupted run of the same job left beside the target.
+    pub resume: bool,
+}
+
+/// Where a job is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stage {
+    /// The scene is being read.
+    Loading,
+    /// The scene is being compiled.
+    Compiling,
+    /// Rays are traced by the named machine; so many pixels were there from an earlier run.
+    Rendering {
+        /// "CPU, 2 threads".
+        device: String,
+        /// Taken over from an interrupted run.
+        resumed_pixels: u64,
+    },
+    /// The picture is being written.
+    Writing,
+}
+
+/// Hears about a job while it runs. Pixels are told from any thread.
+pub trait Listener: Sync {
+    /// A stage begins.
+    fn stage(&self, stage: &Stage);
+    /// Findings, in order.
+    fn diagnostic(&self, d: &Diagnostic, map: &SourceMap);
+    /// What the scene writes.
+    fn text(&self, stream: Stream, text: &str);
+    /// The scene is compiled.
+    fn compiled(&self, _scene: &CompiledScene) {}
+    /// `done` of `total` pixels are finished.
+    fn pixels(&self, done: u64, total: u64);
+}
+
+/// What came of a job.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// The machine that rendered.
+    pub device: String,
+    /// Wall clock seconds of loading, compiling, rendering, writing.
+    pub seconds: [f64; 4],
+    /// Where the picture is.
+    pub written: Option<PathBuf>,
+    /// Objects, primitives and lights of the scene.
+    pub counts: [usize; 3],
+}
+
+/// Why there is no picture, or not all of one.
+#[derive(Debug, thiserror::Error)]
+pub enum JobError {
+    /// The scene is wrong; the listener heard why.
+    #[error("the scene cannot be rendered")]
+    Scene,
+    /// The options do not fit together.
+    #[error("{0}")]
+    Options(String),
+    /// A file cannot be read.
+    #[error(transparent)]
+    World(#[from] WorldError),
+    /// A model file is wrong.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// The scene is too large to compile.
+    #[error(transparent)]
+    Compile(#[from] CompileError),
+    /// The picture cannot be written.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+    /// The machine failed; what was rendered is at the path, if anything could be saved.
+    #[error("{error}{}", saved_note(saved.as_ref()))]
+    Device {
+        /// What happened.
+        error: BackendError,
+        /// Where the unfinished picture is.
+        saved: Option<PathBuf>,
+    },
+    /// Stopped by the user; what was rendered is at the path, if there is one.
+    #[error("interrupted{}", saved_note(saved.as_ref()))]
+    Interrupted {
+        /// Where the unfinished picture is.
+        saved: Option<PathBuf>,
+    },
+}
+
+fn saved_note(saved: Option<&PathBuf>) -> String {
+    saved.map_or(String::new(), |p| format!("; what was rendered is in '{}'", p.display()))
+}
+
+impl JobError {
+    /// Exit code of `rayloom render`: 2 usage, 3 scene, 4 file, 5 device, 130 interrupted.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Options(_) => 2,
+            Self::Scene | Self::Compile(_) | Self::Import(_) => 3,
+            Self::World(_) | Self::Film(_) => 4,
+            Self::Device { .. } => 5,
+            Self::Interrupted { .. } => 130,
+        }
+    }
+}
+
+/// Tells the findings gathered since the last call.
+fn tell(sink: &mut Sink, map: &SourceMap, listener: &dyn Listener) {
+    for d in sink.drain() {
+        listener.diagnostic(&d, map);
+    }
+}
+
+/// Runs a job. After an interrupt the unfinished picture and a state to resume from are written.
+pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Outcome, JobError> {
+    let (mut map, mut sink) = (SourceMap::default(), Sink::default());
+    let mut outcome = Outcome::default();
+    let mut clock = Instant::now();
+    let mut lap = |slot: &mut f64| {
+        *slot = clock.elapsed().as_secs_f64();
+        clock = Instant::now();
+    };
+    if let Some(target) = &job.target {
+        target.check()?;
+    }
+    listener.stage(&Stage::Loading);
+    let loaded = load::load(job, &mut map, &mut sink, listener);
+    tell(&mut sink, &map, listener);
+    let scene = loaded?;
+    lap(&mut outcome.seconds[0]);
+
+    listener.stage(&Stage::Compiling);
+    let compiled = crate::compile::compile_scene(&scene, &job.compile, &mut sink);
+    tell(&mut sink, &map, listener);
+    let compiled = compiled?;
+    outcome.counts = [scene.objects.len(), compiled.geometry.prims.len(), compiled.lights.len()];
+    drop(scene);
+    listener.compiled(&compiled);
+    lap(&mut outcome.seconds[1]);
+
+    let mut film = Film::new(job.render.width, job.render.height);
+    let result = backend::render(job, &compiled, &mut film, &mut outcome.device, &mut sink, listener, cancel);
+    tell(&mut sink, &map, listener);
+    lap(&mut outcome.seconds[2]);
+    let stopped = cancel.load(Ordering::Relaxed);
+    if stopped || result.is_err() {
+        let saved = match &job.target {
+            Some(target) if film.samples.iter().any(|n| *n > 0) => target.save_unfinished(job, &compiled, &film)?,
+            _ => None,
+        };
+        return Err(match result {
+            Err(error) => JobError::Device { error, saved },
+            Ok(()) => JobError::Interrupted { saved },
+        });
+    }
+    if let Some(target) = &job.target {
+        listener.stage(&Stage::Writing);
+        outcome.written = target.write(job, &compiled, &film, &outcome)?;
+    }
+    lap(&mut outcome.seconds[3]);
+    Ok(outcome)
+}
+
+/// Passes pixels on to a listener.
+struct Pixels<'l>(&'l dyn Listener);
+
+impl Progress for Pixels<'_> {
+    fn pixels(&self, done: u64, total: u64) {
+        self.0.pixels(done, total);
+    }
+}
