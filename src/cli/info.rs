@@ -2,8 +2,8 @@
 
 use super::console::{print_error, style};
 use clap::Args;
-use rayloom::compile::{CompileOptions, CompiledScene, FeatureSet};
 use rayloom::compile::geometry::PrimKind;
+use rayloom::compile::{CompileOptions, CompiledScene, FeatureSet};
 use rayloom::diag::{Severity, Sink, SourceMap, render};
 use rayloom::job::{JobError, all_cores, load_scene};
 use std::path::PathBuf;

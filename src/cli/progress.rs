@@ -39,7 +39,8 @@ impl ProgressView {
         };
         let bar = bar.then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {elapsed} elapsed, {eta} left").expect("the template is right");
+            let style =
+                ProgressStyle::with_template("{bar:32} {percent:>3} %  {elapsed} elapsed, {eta} left").expect("the template is right");
             bar.set_style(style);
             bar
         });

@@ -7,7 +7,9 @@ use clap::{Args, ValueEnum};
 use rayloom::diag::{Diagnostic, SourceMap, Style, render};
 use rayloom::film::{FileFormat, FileGamma};
 use rayloom::integrate::{Antialias, IntegratorKind};
-use rayloom::job::{BackendChoice, Job, JobError, Listener, Outcome, SceneFormat, Stage, Target, accel_named, all_cores, include_folders, job_for_frame};
+use rayloom::job::{
+    BackendChoice, Job, JobError, Listener, Outcome, SceneFormat, Stage, Target, accel_named, all_cores, include_folders, job_for_frame,
+};
 use rayloom::lang::Stream;
 use rayloom::lang::options::{Environment, PovOptions, frames};
 use rayloom::world::DiskWorld;
@@ -184,7 +186,14 @@ pub fn run(args: &RenderArgs) -> ExitCode {
 fn report(args: &RenderArgs, job: &Job, o: &Outcome, view: &ProgressView) -> Result<(), u8> {
     let [load, compile, trace, write] = o.seconds;
     if let Some(path) = &o.written {
-        view.line(&format!("{} ({}x{}) on {} in {:.2} s\n", path.display(), job.render.width, job.render.height, o.device, load + compile + trace + write));
+        view.line(&format!(
+            "{} ({}x{}) on {} in {:.2} s\n",
+            path.display(),
+            job.render.width,
+            job.render.height,
+            o.device,
+            load + compile + trace + write
+        ));
     }
     let stats = serde_json::json!({
         "scene": job.source.path, "output": o.written, "device": o.device,
@@ -259,8 +268,11 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
         } else {
             path.clone()
         };
-        job.target = Some(Target { path: Some(path), format, file_gamma: FileGamma::Srgb, alpha: args.alpha || o.output_alpha, dither: false });
-        job.source.io_folders.push(job.target.as_ref().and_then(|t| t.path.as_ref()?.parent()).map_or_else(PathBuf::new, Path::to_path_buf));
+        job.target =
+            Some(Target { path: Some(path), format, file_gamma: FileGamma::Srgb, alpha: args.alpha || o.output_alpha, dither: false });
+        job.source
+            .io_folders
+            .push(job.target.as_ref().and_then(|t| t.path.as_ref()?.parent()).map_or_else(PathBuf::new, Path::to_path_buf));
     }
     let r = &mut job.render;
     r.output_alpha |= args.alpha;

@@ -5,13 +5,12 @@
 
 use super::extent::pov_extent_in;
 use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, PrimKind, Surface, prim_flags};
-use super::leaf::{Leaf, LeafTables, NoLeaf, add_glyph, add_leaf, padded};
+use super::leaf::{Degenerate, Leaf, LeafTables, add_glyph, add_leaf, padded};
 use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
 use super::tables::{SurfaceTable, TransformTable};
 use super::texture::TextureBuilder;
 use super::{CompileError, CompiledLight, Interior, LightGroup, Media, NONE};
 use crate::accel::{Accel, AccelKind, AccelOptions, PrimSet};
-use crate::diag::Sink;
 use crate::math::{Bounds, DVec3, Rgbft, Transform};
 use crate::scene::{self, Csg, Light, Object, Shape, Texture};
 use std::sync::Arc;
@@ -95,7 +94,7 @@ pub(super) enum Role {
 }
 
 /// Collects the geometry, the fillings and the lights of a scene.
-pub(super) struct Flattener<'a> {
+pub(super) struct Flattener {
     pub geometry: Geometry,
     pub interiors: Vec<Interior>,
     pub media: Vec<Media>,
@@ -111,12 +110,11 @@ pub(super) struct Flattener<'a> {
     default_texture: Arc<Texture>,
     n_top_level: usize,
     accel: AccelKind,
-    sink: &'a mut Sink,
 }
 
-impl<'a> Flattener<'a> {
+impl Flattener {
     /// Nothing yet; `n_top_level` objects will follow.
-    pub fn new(textures: TextureBuilder, n_top_level: usize, accel: AccelKind, sink: &'a mut Sink) -> Self {
+    pub fn new(textures: TextureBuilder, n_top_level: usize, accel: AccelKind) -> Self {
         Self {
             geometry: Geometry::default(),
             interiors: Vec::new(),
@@ -132,7 +130,6 @@ impl<'a> Flattener<'a> {
             default_texture: Arc::new(Texture::solid(Rgbft::BLACK)),
             n_top_level,
             accel,
-            sink,
         }
     }
 
@@ -257,10 +254,10 @@ impl<'a> Flattener<'a> {
             }
         }
         i.hollow = f.hollow.or(i.hollow);
-        if role == Role::Visible {
-            if let Some(interior) = &object.interior {
-                i.interior_ix = self.interior(interior, i.hollow == Some(true), &i.to_world);
-            }
+        if role == Role::Visible
+            && let Some(interior) = &object.interior
+        {
+            i.interior_ix = self.interior(interior, i.hollow == Some(true), &i.to_world);
         }
         i
     }
@@ -569,12 +566,7 @@ impl<'a> Flattener<'a> {
     fn leaf(&mut self, object: &Object, inside: &Inherited, inverted: bool, in_csg: bool) -> Result<Option<Node>, CompileError> {
         match add_leaf(object, &inside.to_world, &mut self.leaves, &mut self.transforms, &mut self.textures) {
             Ok(leaf) => self.add_prim(&leaf, inside, inverted, in_csg).map(Some),
-            Err(NoLeaf::Nothing) => Ok(None),
-            Err(NoLeaf::Unsupported(name)) => {
-                let text = format!("{name} objects are not rendered yet; they are left out");
-                self.sink.note_once(&format!("shape-{name}"), object.span, text);
-                Ok(None)
-            }
+            Err(Degenerate) => Ok(None),
         }
     }
 

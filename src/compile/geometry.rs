@@ -110,6 +110,7 @@ pub struct Surface {
 /// A step of an inside program. Programs run from first to last on a stack of bits; a program whose `Require` steps all
 /// hold gives the bit left on the stack, or true when none is left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names of the fields say it")]
 pub enum InsideStep {
     /// Pushes whether the point is inside primitive `prim_ix` (its own inversion applied, its clip program not).
     Prim(u32),

@@ -33,13 +33,8 @@ pub(super) struct Leaf {
     pub solid: bool,
 }
 
-/// Why a shape gives no primitive.
-pub(super) enum NoLeaf {
-    /// Not rendered yet; the name of the shape.
-    Unsupported(&'static str),
-    /// Nothing there (degenerate).
-    Nothing,
-}
+/// Why a shape gives no primitive: nothing is there, it is degenerate.
+pub(super) struct Degenerate;
 
 /// Adds an element to a table and gives its index.
 pub(super) fn push<T>(table: &mut Vec<T>, item: T) -> u32 {
@@ -89,7 +84,7 @@ pub(super) fn add_leaf(
     tables: &mut LeafTables,
     transforms: &mut TransformTable,
     textures: &mut TextureBuilder,
-) -> Result<Leaf, NoLeaf> {
+) -> Result<Leaf, Degenerate> {
     let finite = |kind, shape_ix, transform: Transform, bounds: Bounds| {
         let bounds = padded(bounds);
         Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: bounds, solid: true })
@@ -97,7 +92,7 @@ pub(super) fn add_leaf(
     // Shapes that stay in their own space, with a box there.
     let placed = |kind, shape_ix, bounds: Bounds| finite(kind, shape_ix, *to_world, bounds.transformed(to_world));
     let sturm = object.flags.sturm;
-    let found = |o: Option<u32>| o.ok_or(NoLeaf::Nothing);
+    let found = |o: Option<u32>| o.ok_or(Degenerate);
     if let Shape::Mesh(mesh) = &object.shape {
         let ix = found(tables.mesh(mesh, textures))?;
         let bounds = padded(tables.shapes.meshes[ix as usize].world_bounds(to_world));
@@ -132,7 +127,7 @@ pub(super) fn add_leaf(
         }
         Shape::Cylinder { a, b, radius, open } => {
             let (axis, len) = axis_of(*a, *b)?;
-            let frame = frame_along(*a, axis, radius.abs(), len).ok_or(NoLeaf::Nothing)?;
+            let frame = frame_along(*a, axis, radius.abs(), len).ok_or(Degenerate)?;
             let bounds = disc_bounds(*a, axis, *radius, to_world).union(disc_bounds(*b, axis, *radius, to_world));
             finite(PrimKind::Cylinder, push(&mut shapes.cylinders, CylinderShape { open: *open }), frame.then(to_world), bounds)
         }
@@ -142,7 +137,7 @@ pub(super) fn add_leaf(
             let bounds = disc_bounds(*a, axis, *radius_a, to_world).union(disc_bounds(*b, axis, *radius_b, to_world));
             if (radius_a - radius_b).abs() < EPSILON {
                 let (axis, len) = axis_of(*a, *b)?;
-                let frame = frame_along(*a, axis, radius_a.abs(), len).ok_or(NoLeaf::Nothing)?;
+                let frame = frame_along(*a, axis, radius_a.abs(), len).ok_or(Degenerate)?;
                 return finite(
                     PrimKind::Cylinder,
                     push(&mut shapes.cylinders, CylinderShape { open: *open }),
@@ -157,7 +152,7 @@ pub(super) fn add_leaf(
             let (axis, len) = axis_of(small.0, big.0)?;
             let to_apex = small.1 * len / (big.1 - small.1);
             let whole = to_apex + len;
-            let frame = frame_along(small.0 - to_apex * axis, axis, big.1, whole).ok_or(NoLeaf::Nothing)?;
+            let frame = frame_along(small.0 - to_apex * axis, axis, big.1, whole).ok_or(Degenerate)?;
             let shape = ConeShape { low: to_apex / whole, open: *open };
             finite(PrimKind::Cone, push(&mut shapes.cones, shape), frame.then(to_world), bounds)
         }
@@ -165,7 +160,7 @@ pub(super) fn add_leaf(
             let n = to_world.normal(*normal);
             let len = n.length();
             if len.is_nan() || len == 0.0 {
-                return Err(NoLeaf::Nothing);
+                return Err(Degenerate);
             }
             let n = n / len;
             let d = n.dot(to_world.point(*normal * *distance));
@@ -174,8 +169,8 @@ pub(super) fn add_leaf(
             Ok(Leaf { kind: PrimKind::Plane, shape_ix, transform: Transform::IDENTITY, surface_bounds, inside_bounds, solid: true })
         }
         Shape::Disc { center, normal, radius, hole } => {
-            let axis = normal.try_normalize().ok_or(NoLeaf::Nothing)?;
-            let frame = frame_along(*center, axis, 1.0, 1.0).ok_or(NoLeaf::Nothing)?;
+            let axis = normal.try_normalize().ok_or(Degenerate)?;
+            let frame = frame_along(*center, axis, 1.0, 1.0).ok_or(Degenerate)?;
             let shape_ix = push(&mut shapes.discs, DiscShape { radius_sq: radius * radius, hole_sq: hole * hole });
             let surface_bounds = padded(disc_bounds(*center, axis, *radius, to_world));
             let transform = frame.then(to_world);
@@ -193,14 +188,14 @@ pub(super) fn add_leaf(
             if normals.is_none() && !to_world.is_identity() {
                 world = TriangleShape::reordered(world);
             }
-            let shape = TriangleShape::new(world, normals.map(|ns| ns.map(|n| to_world.normal(n).normalize()))).ok_or(NoLeaf::Nothing)?;
+            let shape = TriangleShape::new(world, normals.map(|ns| ns.map(|n| to_world.normal(n).normalize()))).ok_or(Degenerate)?;
             let bounds = padded(Bounds::from_points(world));
             let shape_ix = push(&mut shapes.triangles, shape);
             let (kind, transform) = (PrimKind::Triangle, Transform::IDENTITY);
             Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: Bounds::EMPTY, solid: false })
         }
         Shape::Polygon { points } => {
-            let shape = PolygonShape::new(points).ok_or(NoLeaf::Nothing)?;
+            let shape = PolygonShape::new(points).ok_or(Degenerate)?;
             let bounds = padded(Bounds::from_points(points.iter().map(|p| to_world.point(*p))));
             let shape_ix = push(&mut shapes.polygons, shape);
             let (kind, transform) = (PrimKind::Polygon, *to_world);
@@ -210,7 +205,7 @@ pub(super) fn add_leaf(
             // Flatness is measured in the world.
             let points = points.map(|row| row.map(|p| to_world.point(p)));
             let mesh = patch_mesh(&points, uvs, *flatness, *u_steps, *v_steps);
-            let shape = MeshShape::new(Arc::new(mesh), Vec::new(), accel).ok_or(NoLeaf::Nothing)?;
+            let shape = MeshShape::new(Arc::new(mesh), Vec::new(), accel).ok_or(Degenerate)?;
             let bounds = padded(shape.bounds);
             let shape_ix = push(&mut shapes.meshes, shape);
             let (kind, transform) = (PrimKind::BicubicPatch, Transform::IDENTITY);
@@ -225,28 +220,28 @@ pub(super) fn add_leaf(
             Ok(Leaf { kind, shape_ix, transform, surface_bounds: bounds, inside_bounds: bounds, solid: true })
         }
         Shape::Poly { order, coefficients } => {
-            let shape = PolyShape::new(*order, coefficients, sturm).ok_or(NoLeaf::Nothing)?;
+            let shape = PolyShape::new(*order, coefficients, sturm).ok_or(Degenerate)?;
             placed(PrimKind::Poly, push(&mut shapes.polys, shape), Bounds::UNBOUNDED)
         }
         Shape::Blob { threshold, components } => {
             let covers = components.iter().map(|c| c.texture.as_ref().map_or(NONE, |t| textures.texture(t))).collect();
-            let shape = BlobShape::new(*threshold, components, covers, sturm).ok_or(NoLeaf::Nothing)?;
+            let shape = BlobShape::new(*threshold, components, covers, sturm).ok_or(Degenerate)?;
             let bounds = shape.bounds;
             placed(PrimKind::Blob, push(&mut shapes.blobs, shape), bounds)
         }
         Shape::Lathe { kind, points } => {
-            let shape = LatheShape::new(*kind, points, sturm).ok_or(NoLeaf::Nothing)?;
+            let shape = LatheShape::new(*kind, points, sturm).ok_or(Degenerate)?;
             let bounds = revolved(shape.radius, shape.low, shape.high, to_world);
             finite(PrimKind::Lathe, push(&mut shapes.lathes, shape), *to_world, bounds)
         }
         Shape::Sor { points, open } => {
-            let shape = SorShape::new(points, *open, sturm).ok_or(NoLeaf::Nothing)?;
+            let shape = SorShape::new(points, *open, sturm).ok_or(Degenerate)?;
             let (low, high) = shape.heights();
             let bounds = revolved(shape.radius, low, high, to_world);
             finite(PrimKind::Sor, push(&mut shapes.sors, shape), *to_world, bounds)
         }
         Shape::Prism { .. } => {
-            let shape = PrismShape::new(&object.shape).ok_or(NoLeaf::Nothing)?;
+            let shape = PrismShape::new(&object.shape).ok_or(Degenerate)?;
             let bounds = shape.bounds();
             placed(PrimKind::Prism, push(&mut shapes.prisms, shape), bounds)
         }
@@ -256,7 +251,7 @@ pub(super) fn add_leaf(
             placed(PrimKind::Superellipsoid, push(&mut shapes.superellipsoids, shape), Bounds { min: -reach, max: reach })
         }
         Shape::HeightField { heights, water_level, smooth } => {
-            let shape = HeightFieldShape::new(heights.clone(), *water_level, *smooth).ok_or(NoLeaf::Nothing)?;
+            let shape = HeightFieldShape::new(heights.clone(), *water_level, *smooth).ok_or(Degenerate)?;
             let transform = shape.frame().then(to_world);
             let surface_bounds = padded(shape.bounds().transformed(&transform));
             // Inside goes down without limit.
@@ -267,17 +262,17 @@ pub(super) fn add_leaf(
             Ok(Leaf { kind: PrimKind::HeightField, shape_ix, transform, surface_bounds, inside_bounds, solid: true })
         }
         Shape::Ovus { bottom, top } => {
-            let shape = OvusShape::new(*bottom, *top).ok_or(NoLeaf::Nothing)?;
+            let shape = OvusShape::new(*bottom, *top).ok_or(Degenerate)?;
             placed(PrimKind::Ovus, push(&mut shapes.ovi, shape), shape.bounds())
         }
         Shape::SphereSweep { kind, spheres, .. } => {
-            let shape = SphereSweepShape::new(*kind, spheres).ok_or(NoLeaf::Nothing)?;
+            let shape = SphereSweepShape::new(*kind, spheres).ok_or(Degenerate)?;
             let bounds = shape.bounds;
             placed(PrimKind::SphereSweep, push(&mut shapes.sphere_sweeps, shape), bounds)
         }
         Shape::JuliaFractal { c, hypercomplex, function, max_iteration, precision, slice, slice_distance } => {
             let shape = JuliaShape::new(*c, *hypercomplex, *function, *max_iteration, *precision, *slice, *slice_distance);
-            let shape = shape.ok_or(NoLeaf::Nothing)?;
+            let shape = shape.ok_or(Degenerate)?;
             let r = DVec3::splat(shape.radius);
             placed(PrimKind::JuliaFractal, push(&mut shapes.julias, shape), Bounds { min: -r, max: r })
         }
@@ -302,7 +297,7 @@ pub(super) fn add_leaf(
             Ok(Leaf { inside_bounds: Bounds::EMPTY, solid: false, ..leaf })
         }
         Shape::Csg { .. } | Shape::Group { .. } | Shape::LightGroup { .. } | Shape::Light(_) | Shape::Text { .. } | Shape::Mesh(_) => {
-            Err(NoLeaf::Nothing)
+            Err(Degenerate)
         }
     }
 }
@@ -345,9 +340,9 @@ pub(super) fn disc_bounds(center: DVec3, normal: DVec3, radius: f64, t: &Transfo
 }
 
 /// Unit direction and distance from `a` to `b`.
-fn axis_of(a: DVec3, b: DVec3) -> Result<(DVec3, f64), NoLeaf> {
+fn axis_of(a: DVec3, b: DVec3) -> Result<(DVec3, f64), Degenerate> {
     let len = (b - a).length();
-    if len.is_nan() || len == 0.0 { Err(NoLeaf::Nothing) } else { Ok(((b - a) / len, len)) }
+    if len.is_nan() || len == 0.0 { Err(Degenerate) } else { Ok(((b - a) / len, len)) }
 }
 
 /// The factor by which the transform scales all lengths, if there is one.

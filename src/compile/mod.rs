@@ -197,8 +197,8 @@ pub enum CompileError {
 
 /// Compiles one object that is asked about before its scene is complete: a scene of that object alone, hidden and without covers,
 /// as object 0.
-pub fn compile_object(object: &crate::scene::Object, settings: &Settings, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, sink);
+pub fn compile_object(object: &crate::scene::Object, settings: &Settings) -> Result<CompiledScene, CompileError> {
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto);
     flattener.add_hidden(object)?;
     finish(flattener, &Scene::default(), &CompileOptions::default())
 }
@@ -207,9 +207,8 @@ pub fn compile_object(object: &crate::scene::Object, settings: &Settings, sink: 
 pub fn compile_function(
     function: &std::sync::Arc<crate::scene::Function>,
     settings: &Settings,
-    sink: &mut Sink,
 ) -> Result<(CompiledScene, FunctionIx), CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, sink);
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto);
     let ix = flattener.textures.function(function);
     let scene = Scene { settings: settings.clone(), ..Scene::default() };
     Ok((finish(flattener, &scene, &CompileOptions::default())?, ix))
@@ -219,9 +218,8 @@ pub fn compile_function(
 pub fn compile_pigment(
     pigment: &std::sync::Arc<crate::scene::Pigment>,
     settings: &Settings,
-    sink: &mut Sink,
 ) -> Result<(CompiledScene, PigmentIx), CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, sink);
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto);
     let ix = flattener.textures.pigment(pigment);
     let scene = Scene { settings: settings.clone(), ..Scene::default() };
     Ok((finish(flattener, &scene, &CompileOptions::default())?, ix))
@@ -229,7 +227,7 @@ pub fn compile_pigment(
 
 /// Compiles a scene. What cannot be rendered yet is left out with a note in `sink`, once a kind.
 pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(&scene.settings), scene.objects.len(), options.accel, sink);
+    let mut flattener = Flattener::new(TextureBuilder::new(&scene.settings), scene.objects.len(), options.accel);
     for light in &scene.lights {
         flattener.add_light(light)?;
     }

@@ -32,6 +32,7 @@ pub type ImageIx = u32;
 
 /// A cover.
 #[derive(Clone, Debug)]
+#[expect(missing_docs, reason = "the names of the fields say it")]
 pub enum TextureNode {
     /// Plain layers, bottom first: a range of [`TextureTables::layers`].
     Layers { start: u32, len: u32 },

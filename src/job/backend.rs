@@ -38,11 +38,9 @@ pub(super) fn render(
     if job.backend != BackendChoice::Cpu {
         match gpu(job.backend) {
             Ok(machine) => match on(machine.as_ref(), film) {
-                Err(BackendError::Unsupported(what)) => sink.note_once(
-                    "fallback",
-                    None,
-                    format!("rendered on the CPU: the GPU back end does not do {what} yet"),
-                ),
+                Err(BackendError::Unsupported(what)) => {
+                    sink.note_once("fallback", None, format!("rendered on the CPU: the GPU back end does not do {what} yet"))
+                }
                 result => return result,
             },
             Err(error) if job.backend == BackendChoice::Gpu => return Err(error),

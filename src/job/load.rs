@@ -47,7 +47,7 @@ pub(super) fn load(job: &Job, map: &mut SourceMap, sink: &mut Sink, listener: &d
     match source.format {
         SceneFormat::Model => {
             let aspect = f64::from(job.render.width) / f64::from(job.render.height);
-            Ok(crate::import::load(&source.path, &ImportOptions { aspect, ..ImportOptions::default() }, sink)?)
+            Ok(crate::import::load(&source.path, &ImportOptions { aspect }, sink)?)
         }
         SceneFormat::Pov => parse(source, map, sink, &mut |stream, t| listener.text(stream, t)),
     }
@@ -78,11 +78,8 @@ pub fn include_folders() -> impl Iterator<Item = PathBuf> {
 
 /// Reads a scene in POV-Ray's language; `text` hears what it writes.
 fn parse(source: &Source, map: &mut SourceMap, sink: &mut Sink, text: &mut dyn FnMut(Stream, &str)) -> Result<Scene, JobError> {
-    let world = DiskWorld {
-        current_dir: PathBuf::new(),
-        library_paths: source.library_paths.clone(),
-        io_folders: source.io_folders.clone(),
-    };
+    let world =
+        DiskWorld { current_dir: PathBuf::new(), library_paths: source.library_paths.clone(), io_folders: source.io_folders.clone() };
     let name = source.path.to_string_lossy();
     let path = world.find(&name, &[".pov"]).ok_or_else(|| missing(&source.path))?;
     let bytes = world.read(&path)?;
@@ -101,4 +98,3 @@ fn missing(path: &Path) -> JobError {
     }
     WorldError::NotFound(path.display().to_string()).into()
 }
-

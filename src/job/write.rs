@@ -41,10 +41,11 @@ impl Target {
             }
             None => {
                 let bytes = crate::film::encode_picture(film, &self.format, &encoding, &metadata)?;
-                std::io::stdout()
-                    .lock()
-                    .write_all(&bytes)
-                    .map_err(|source| crate::film::FilmError::Io { verb: "write", path: PathBuf::from("standard output"), source })?;
+                std::io::stdout().lock().write_all(&bytes).map_err(|source| crate::film::FilmError::Io {
+                    verb: "write",
+                    path: PathBuf::from("standard output"),
+                    source,
+                })?;
                 Ok(None)
             }
         }
@@ -85,10 +86,8 @@ fn metadata(job: &Job, scene: &CompiledScene, film: &Film, outcome: Option<&Outc
         ("most samples in a pixel", film.samples.iter().max().copied().unwrap_or(0).to_string()),
     ];
     if let Some(aa) = &r.antialias {
-        entries.push((
-            "antialiasing",
-            format!("method {}, threshold {}, depth {}, jitter {}", aa.method, aa.threshold, aa.depth, aa.jitter),
-        ));
+        entries
+            .push(("antialiasing", format!("method {}, threshold {}, depth {}, jitter {}", aa.method, aa.threshold, aa.depth, aa.jitter)));
     }
     if let Some(o) = outcome {
         entries.push(("device", o.device.clone()));

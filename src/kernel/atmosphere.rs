@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn ground_fog_is_full_below_its_offset_and_an_arctangent_above() {
         let f = Fog { ground: Some((0.0, 2.0)), ..fog(10.0) };
-        let below = fog_effect(&[f.clone()], &Ray::new(DVec3::new(0.0, -1.0, 0.0), DVec3::X), 10.0, |_, _| 0.0);
+        let below = fog_effect(std::slice::from_ref(&f), &Ray::new(DVec3::new(0.0, -1.0, 0.0), DVec3::X), 10.0, |_, _| 0.0);
         assert!((below.factor.x - (-1f32).exp()).abs() < 1e-6);
         // From height 0 straight up to 2 (one alt): mean density atan(1)/1.
         let up = fog_effect(&[f], &Ray::new(DVec3::ZERO, DVec3::Y), 2.0, |_, _| 0.0);

@@ -232,8 +232,8 @@ fn solid_mesh_is_hit_twice_and_knows_its_inside() {
     let scene = compiled(vec![place(0.0), place(5.0), csg(Csg::Difference, vec![place(10.0), sphere(DVec3::new(10.0, 0.0, -1.0), 0.5)])]);
     assert_eq!(scene.geometry.shapes.meshes.len(), 1, "instances share the mesh");
     for d in scattered(500) {
-        assert_eq!(inside_object(&scene, 1, DVec3::X * 5.0 + d * 0.97), true);
-        assert_eq!(inside_object(&scene, 1, DVec3::X * 5.0 + d * 1.01), false);
+        assert!(inside_object(&scene, 1, DVec3::X * 5.0 + d * 0.97));
+        assert!(!inside_object(&scene, 1, DVec3::X * 5.0 + d * 1.01));
         let t = depths(&scene, DVec3::X * 5.0, d);
         assert!(t.len() % 2 == 1 && t[0] > 0.98 && t[0] <= 1.0 + 1e-6, "{t:?}");
     }

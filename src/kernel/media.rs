@@ -100,7 +100,7 @@ pub fn sample_intervals(
     ends.sort_unstable_by(f64::total_cmp);
     // Lit pieces, overlapping ones joined, with unlit gaps between and at both ends.
     let mut at = 0.0;
-    let mut add = |lit: bool, a: f64, b: f64, pieces: &mut Vec<SampleInterval>| {
+    let add = |lit: bool, a: f64, b: f64, pieces: &mut Vec<SampleInterval>| {
         if b > a {
             pieces.push(SampleInterval { lit, start: a, length: b - a });
         }

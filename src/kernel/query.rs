@@ -7,7 +7,6 @@ use super::spline::eval_spline;
 use super::traverse::{MIN_DEPTH, intersect_object};
 use crate::compile::extent::pov_extent;
 use crate::compile::{CompiledScene, compile_function, compile_object, compile_pigment};
-use crate::diag::Sink;
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Ray, Rgbft};
 use crate::scene::spline::SplineKind;
 use crate::scene::{Function, Object, Pigment, SceneQuery, Settings, Shape, Spline};
@@ -76,7 +75,7 @@ impl KernelQuery {
     }
 
     fn compiled(&self, object: &Arc<Object>) -> Option<Arc<CompiledScene>> {
-        self.objects.get(object, || compile_object(object, &self.settings(), &mut Sink::default()).ok().map(Arc::new))
+        self.objects.get(object, || compile_object(object, &self.settings()).ok().map(Arc::new))
     }
 }
 
@@ -110,7 +109,7 @@ impl SceneQuery for KernelQuery {
     }
 
     fn call(&self, function: &Arc<Function>, args: &[f64]) -> ([f64; 5], usize) {
-        let compile = || compile_function(function, &self.settings(), &mut Sink::default()).ok().map(Arc::new);
+        let compile = || compile_function(function, &self.settings()).ok().map(Arc::new);
         match self.functions.get(function, compile) {
             Some(f) => call_function_all(&f.0, f.1, args),
             None => ([0.0; 5], 1),
@@ -118,7 +117,7 @@ impl SceneQuery for KernelQuery {
     }
 
     fn pigment(&self, pigment: &Arc<Pigment>, point: DVec3) -> Rgbft {
-        let compile = || compile_pigment(pigment, &self.settings(), &mut Sink::default()).ok().map(Arc::new);
+        let compile = || compile_pigment(pigment, &self.settings()).ok().map(Arc::new);
         let found = self.pigments.get(pigment, compile).and_then(|p| eval_pigment(&p.0, p.1, &free_point(point)));
         found.unwrap_or(Rgbft::BLACK)
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 /// The pixels of an image file in the working colour space, `[height][width]`, row-major, top row first.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the names of the fields say it")]
 pub enum Pixels {
     /// Index into a palette of at most 256 colours.
     Indexed { indices: Vec<u8>, palette: Vec<Rgbft> },

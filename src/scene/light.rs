@@ -5,6 +5,7 @@ use crate::math::{DVec3, Rgb, Transform};
 
 /// Shape of a light's beam. Angles are half angles in radians, lengths in scene units. Source: spec/light.md, section 6.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the names of the fields say it")]
 pub enum LightKind {
     /// Shines everywhere from its location.
     Point,
@@ -18,6 +19,7 @@ pub enum LightKind {
 
 /// How light weakens with distance `d`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the names of the fields say it")]
 pub enum Fade {
     /// Not at all.
     None,

@@ -43,6 +43,7 @@ pub enum Wave {
 
 /// One bend of the point, undone from the last written to the first.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the names of the fields say it")]
 pub enum Warp {
     /// Pattern space to the outer space.
     Transform(Transform),

@@ -57,6 +57,7 @@ impl Pigment {
 
 /// What a normal's pattern does.
 #[derive(Clone, Debug)]
+#[expect(missing_docs, reason = "the names of the fields say it")]
 pub enum NormalKind {
     /// The pattern's own formula, or its slope by four samples; the map bends the value first.
     Pattern { slope_map: Option<Arc<BlendMap<[f32; 2]>>> },
@@ -231,6 +232,7 @@ impl Default for Principled {
 
 /// What covers a surface.
 #[derive(Clone, Debug)]
+#[expect(missing_docs, reason = "the names of the fields say it")]
 pub enum Texture {
     /// Plain layers, bottom first, at least one.
     Layers(Vec<TextureLayer>),

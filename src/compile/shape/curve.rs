@@ -183,7 +183,7 @@ pub fn inside_loops(segments: &[CurveSegment], p: DVec2) -> bool {
         } else {
             // Ends belong to the segment whose other points near them lie above.
             s.for_roots(DVec2::Y, -p.y, |w| {
-                let at_end = w < 1e-9 || w > 1.0 - 1e-9;
+                let at_end = !(1e-9..=1.0 - 1e-9).contains(&w);
                 let above = || s.at(if w < 0.5 { 1e-4 } else { 1.0 - 1e-4 }).y >= p.y;
                 if (!at_end || above()) && s.at(w).x >= p.x {
                     inside = !inside;

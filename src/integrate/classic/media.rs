@@ -186,10 +186,11 @@ impl Tracer<'_> {
         };
         for ix in lights {
             let light = &scene.lights[*ix as usize].light;
-            if light.media_interaction && !light.shadowless {
-                if let Some((start, end)) = beam_piece(light, ray, depth) {
-                    out.push(LitPiece { light_ix: *ix, start, end });
-                }
+            if light.media_interaction
+                && !light.shadowless
+                && let Some((start, end)) = beam_piece(light, ray, depth)
+            {
+                out.push(LitPiece { light_ix: *ix, start, end });
             }
         }
     }
@@ -216,8 +217,9 @@ impl Tracer<'_> {
             sum_sq += g.light * g.light;
         }
         let mut n = min;
-        while !is_shadow {
-            let Some(threshold) = thresholds.get(n as usize - 1) else { break };
+        // Shadow rays take the fewest samples.
+        let thresholds = if is_shadow { &[] } else { thresholds };
+        while let Some(threshold) = thresholds.get(n as usize - 1) {
             let k = n as f32;
             let mean = sum.light / k;
             let variance = (sum_sq / k - mean * mean) / k;

@@ -8,7 +8,6 @@ use crate::kernel::media::stop_thresholds;
 
 /// What POV-Ray's quality levels switch. Source: spec/light.md, section 13.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the names say it")]
 pub struct Quality {
     pub lights: bool,
     pub shadows: bool,

@@ -16,7 +16,7 @@ pub fn eval_internal(n: u32, point: DVec3, params: &[f64]) -> f64 {
     let q = x2 + y2 + z2;
     // Field strength, clamped: most algebraic surfaces end in it.
     let strength = p(0);
-    let c = |e: f64| (strength * e).min(10.0).max(-10.0);
+    let c = |e: f64| (strength * e).clamp(-10.0, 10.0);
     match n {
         0..=3 => {
             let [x, y] = revolved(point, p(2), p(3), p(4));

@@ -231,20 +231,21 @@ pub fn intersect_superellipsoid(s: &SuperellipsoidShape, ray: &LocalRay, all: bo
             if sink_at(refine(&value, w[0], va, w[1], vb), sink) && !all {
                 return;
             }
-        } else if va > 0.0 && vb > 0.0 {
-            if let Some(inner) = dip(&value, w[0], va, w[1], vb) {
-                let vi = value(inner);
-                if vi < 0.0 {
-                    let first = sink_at(refine(&value, w[0], va, inner, vi), sink);
-                    if first && !all {
-                        return;
-                    }
-                    if sink_at(refine(&value, inner, vi, w[1], vb), sink) && !all {
-                        return;
-                    }
-                } else if sink_at(inner, sink) && !all {
+        } else if va > 0.0
+            && vb > 0.0
+            && let Some(inner) = dip(&value, w[0], va, w[1], vb)
+        {
+            let vi = value(inner);
+            if vi < 0.0 {
+                let first = sink_at(refine(&value, w[0], va, inner, vi), sink);
+                if first && !all {
                     return;
                 }
+                if sink_at(refine(&value, inner, vi, w[1], vb), sink) && !all {
+                    return;
+                }
+            } else if sink_at(inner, sink) && !all {
+                return;
             }
         }
         va = vb;

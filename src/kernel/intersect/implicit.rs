@@ -66,10 +66,10 @@ pub fn intersect_isosurface(s: &IsosurfaceShape, ray: &LocalRay, f: &impl Fn(DVe
     let (mut t_min, t_max) = (near.max(0.0), far.min(MAX_DISTANCE));
     let value = |t: f64| f(ray.at(t)) - s.threshold;
     let mut g = s.max_gradient;
-    if let Some([p0, _, p2]) = s.evaluate {
-        if g > p0 {
-            g *= p2;
-        }
+    if let Some([p0, _, p2]) = s.evaluate
+        && g > p0
+    {
+        g *= p2;
     }
     let (mut sign, mut n_found) = (1.0, 0);
     if near > a {
@@ -222,10 +222,10 @@ pub fn intersect_parametric(s: &ParametricShape, ray: &LocalRay, f: &impl Fn(DVe
             }
         }
         // The nearer half comes off the stack first.
-        if let [Some(x), Some(y)] = next {
-            if x.from < y.from {
-                next.swap(0, 1);
-            }
+        if let [Some(x), Some(y)] = next
+            && x.from < y.from
+        {
+            next.swap(0, 1);
         }
         for half in next.into_iter().flatten() {
             if n < stack.len() {

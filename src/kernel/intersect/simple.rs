@@ -134,7 +134,7 @@ pub fn intersect_disc(s: &DiscShape, ray: &LocalRay, sink: &mut impl HitSink) {
         return;
     }
     let t = -ray.origin.z / ray.dir.z;
-    if t >= 0.0 && t > TOLERANCE && t < MAX_DISTANCE {
+    if t > TOLERANCE && t < MAX_DISTANCE {
         let r_sq = (ray.origin.x + t * ray.dir.x).powi(2) + (ray.origin.y + t * ray.dir.y).powi(2);
         if r_sq >= s.hole_sq && r_sq <= s.radius_sq {
             sink.push(t, Part::default());

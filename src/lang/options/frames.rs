@@ -40,8 +40,7 @@ pub fn frames(o: &PovOptions) -> Vec<Frame> {
         .step_by(o.frame_step.max(1) as usize)
         .map(|number| {
             let clock = o.initial_clock + delta * (f64::from(number) - f64::from(first));
-            let variables =
-                [f64::from(number), f64::from(first), f64::from(counted_last), delta, o.initial_clock, o.final_clock];
+            let variables = [f64::from(number), f64::from(first), f64::from(counted_last), delta, o.initial_clock, o.final_clock];
             Frame { number, clock: f64::from(clock as f32), clock_on: true, variables, digits }
         })
         .collect()

@@ -236,6 +236,8 @@ impl PovOptions {
         let mut options = Self::default();
         if let Some(path) = default_ini(env) {
             options.read_ini(&path.to_string_lossy(), world, 0)?;
+            // Nobody asked for what stands there.
+            options.ignored.clear();
         }
         options.library_paths.extend(env.pov_inc.clone());
         for word in words {

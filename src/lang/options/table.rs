@@ -151,4 +151,5 @@ pub const OPTIONS: &[OptionSpec] = &[
 ];
 
 /// Keys of earlier versions: taken in INI files with a note, unknown on the command line.
-pub const OLD_KEYS: &[&str] = &["buffer_output", "buffer_size", "create_histogram", "histogram_grid_size", "histogram_name", "histogram_type"];
+pub const OLD_KEYS: &[&str] =
+    &["buffer_output", "buffer_size", "create_histogram", "histogram_grid_size", "histogram_name", "histogram_type"];

@@ -110,13 +110,13 @@ impl Parser<'_> {
                 return Err(self.error("Cannot parse sRGB colors before assumed_gamma has been set."));
             }
             for x in &mut v[..3] {
-                *x = self.from_srgb(*x);
+                *x = self.decode_srgb(*x);
             }
         }
         Ok(v)
     }
 
-    fn from_srgb(&self, x: f64) -> f64 {
+    fn decode_srgb(&self, x: f64) -> f64 {
         let linear = if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
         match self.scene.settings.gamma {
             WorkingGamma::Linear => linear,

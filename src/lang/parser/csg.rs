@@ -30,8 +30,7 @@ impl Parser<'_> {
     pub(super) fn parse_blob(&mut self) -> PResult<Object> {
         let mut threshold = 1.0;
         let mut components = Vec::new();
-        loop {
-            let Some(k) = self.peek_kw()? else { break };
+        while let Some(k) = self.peek_kw()? {
             match k {
                 Kw::Threshold => {
                     self.next()?;

@@ -286,7 +286,7 @@ impl Parser<'_> {
         if i == 5 {
             a.v[0] = 0.297 * a.v[0] + 0.589 * a.v[1] + 0.114 * a.v[2];
         } else {
-            if i >= a.n as usize && !(i == 0) {
+            if i >= a.n as usize && (i != 0) {
                 return Err(self.error("Bad operands for period operator."));
             }
             a.v[0] = a.v[i];

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// To a 32-bit integer as C does; out of range gives the smallest.
 fn to_int(x: f64) -> i32 {
     let t = x.trunc();
-    if t >= -2_147_483_648.0 && t <= 2_147_483_647.0 { t as i32 } else { i32::MIN }
+    if (-2_147_483_648.0..=2_147_483_647.0).contains(&t) { t as i32 } else { i32::MIN }
 }
 
 impl Parser<'_> {

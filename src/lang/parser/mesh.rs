@@ -183,8 +183,7 @@ impl Parser<'_> {
 
     pub(super) fn parse_mesh2(&mut self) -> PResult<Shape> {
         let mut m = Mesh::default();
-        loop {
-            let Some(k) = self.peek_kw()? else { break };
+        while let Some(k) = self.peek_kw()? {
             match k {
                 Kw::VertexVectors => {
                     self.next()?;

@@ -39,10 +39,15 @@ use super::{Declared, Fatal, LangOptions, Stream};
 use crate::diag::{FileId, Sink, SourceMap, Span};
 use crate::scene::{Camera, Finish, Normal, Pigment, Scene, SceneQuery, Texture, TextureLayer};
 use crate::world::World;
+use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What a parsing function gives; the error ends the scene.
 pub type PResult<T> = Result<T, Fatal>;
+
+/// Bytes and tokens of an include, kept for the next time.
+type LexedFile = (Arc<[u8]>, Arc<[Token]>);
 
 /// Where tokens come from, innermost last.
 #[derive(Debug)]
@@ -133,7 +138,7 @@ pub struct Parser<'a> {
     /// Random streams of `seed()`.
     seeds: Vec<u32>,
     files: Vec<Option<files::UserFile>>,
-    lexed: std::collections::HashMap<std::path::PathBuf, (Arc<[u8]>, Arc<[Token]>)>,
+    lexed: HashMap<PathBuf, LexedFile>,
     output: Vec<(Stream, String)>,
     debug_line: String,
     utf8: bool,

@@ -377,8 +377,7 @@ impl Parser<'_> {
     }
 
     fn normal_modifiers(&mut self, normal: &mut Normal) -> PResult<()> {
-        loop {
-            let Some(k) = self.peek_kw()? else { break };
+        while let Some(k) = self.peek_kw()? {
             match k {
                 Kw::BumpSize => {
                     self.next()?;
