@@ -1,4 +1,16 @@
-//! Pixels on their way out: accumulation, gamma, files. Knows nothing of scenes or rays.
+//! Pixels on their way out: gamma, files of every format, the state of an unfinished picture. Knows nothing of scenes or rays.
+
+mod encoding;
+mod error;
+mod format;
+mod png_file;
+pub mod state;
+mod write;
+
+pub use encoding::{Encoding, FileGamma};
+pub use error::FilmError;
+pub use format::FileFormat;
+pub use write::{Metadata, check_writable, encode_picture, write_picture};
 
 /// A picture being made: linear working-space colour and transparency, `[height][width]`, row-major, top row first.
 #[derive(Clone, Debug, PartialEq)]
