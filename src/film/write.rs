@@ -24,13 +24,7 @@ pub fn encode_picture(film: &Film, format: &FileFormat, encoding: &Encoding, met
 }
 
 /// Writes a picture file: into a new file beside it that then takes its name. After any failure the old file is as it was.
-pub fn write_picture(
-    path: &Path,
-    film: &Film,
-    format: &FileFormat,
-    encoding: &Encoding,
-    metadata: &Metadata,
-) -> Result<(), FilmError> {
+pub fn write_picture(path: &Path, film: &Film, format: &FileFormat, encoding: &Encoding, metadata: &Metadata) -> Result<(), FilmError> {
     replace_file(path, &encode_picture(film, format, encoding, metadata)?)
 }
 
