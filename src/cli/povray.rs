@@ -142,6 +142,24 @@ fn picture(job: &Job, frame: &Frame, listener: &PovListener) -> Result<(), JobEr
     Ok(())
 }
 
+/// `File 'scene.pov' line 12: Parse Error: message`, for findings of the scene language. Source: spec/language.md, section 5.
+fn povray_line(d: &Diagnostic, map: &SourceMap) -> Option<String> {
+    let span = d.span.filter(|_| d.severity != Severity::Note)?;
+    let file = map.file(span.file);
+    let bytes = &file.bytes;
+    // An error at the end of the file is named at the last token.
+    let end = (span.hi as usize).min(bytes.len());
+    let at_end = bytes[end..].iter().all(u8::is_ascii_whitespace);
+    let last = bytes[..end].iter().rposition(|b| !b.is_ascii_whitespace()).unwrap_or(0);
+    let line = file.line_col(if at_end { last as u32 } else { span.lo }).0;
+    // POV-Ray counts one line too few where a word or number ends the file without a line break.
+    let cut_short = at_end && last + 1 == bytes.len() && (bytes[last].is_ascii_alphanumeric() || bytes[last] == b'_');
+    let line = line - u32::from(cut_short && line > 1);
+    let word = if d.severity == Severity::Error { "Parse Error" } else { "Parse Warning" };
+    let message = if d.message.starts_with("Possible") { d.message.clone() } else { format!("{word}: {}", d.message) };
+    Some(format!("File '{}' line {line}: {message}", file.name))
+}
+
 fn rule(title: &str) -> String {
     let head = format!("==== [{title}] ");
     format!("{head}{}\n", "=".repeat(76usize.saturating_sub(head.len())))
@@ -211,7 +229,12 @@ impl Listener for PovListener<'_> {
 
     fn diagnostic(&self, d: &Diagnostic, map: &SourceMap) {
         let kind = if d.severity == Severity::Error { StreamKind::Fatal } else { StreamKind::Warning };
-        self.streams.write(kind, &render(d, map, self.style));
+        let ours = render(d, map, self.style);
+        match povray_line(d, map) {
+            // POV-Ray's own first line, which editors and scripts read; then the place as we show it.
+            Some(line) => self.streams.write(kind, &format!("{line}\n{}", ours.split_once('\n').map_or("", |(_, rest)| rest))),
+            None => self.streams.write(kind, &ours),
+        }
     }
 
     fn text(&self, _stream: Stream, text: &str) {

@@ -6,7 +6,7 @@ use crate::math::{DVec3, Rgbft, Transform};
 use crate::scene::{
     BlendMap, Camera, Finish, Fog, Function, Interior, Media, Normal, Object, Pigment, Rainbow, SkySphere, Spline, Texture,
 };
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
@@ -263,11 +263,13 @@ pub type Scope = HashMap<Symbol, Entry, BuildHasherDefault<SymbolHasher>>;
 pub struct SymbolTable {
     /// Scopes, innermost last, never empty.
     pub scopes: Vec<Scope>,
+    /// Names that `defined()` and `#ifdef` know although they have no value: `#read` hit the end of its file before it had one.
+    pub valueless: HashSet<Symbol>,
 }
 
 impl Default for SymbolTable {
     fn default() -> Self {
-        Self { scopes: vec![Scope::default()] }
+        Self { scopes: vec![Scope::default()], valueless: HashSet::new() }
     }
 }
 

@@ -187,7 +187,7 @@ impl Parser<'_> {
                     self.next()?;
                     items.confidence = self.parse_float()?;
                     if !(items.confidence > 0.0 && items.confidence < 1.0) {
-                        self.warn("Parse Warning: Illegal confidence value. Default is used.");
+                        self.warn("Illegal confidence value. Default is used.");
                         items.confidence = 0.9;
                     }
                 }
@@ -195,7 +195,7 @@ impl Parser<'_> {
                     self.next()?;
                     items.variance = self.parse_float()?;
                     if !(0.0..=1.0).contains(&items.variance) {
-                        self.warn("Parse Warning: Illegal variance value. Default is used.");
+                        self.warn("Illegal variance value. Default is used.");
                         items.variance = 1e-4;
                     }
                 }
@@ -301,7 +301,7 @@ impl Parser<'_> {
         let direction = to.normalize();
         let mut right = sky.cross(direction);
         if right.length() < EPSILON {
-            self.warn("Parse Warning: Camera direction and sky are parallel: the given right vector is used.");
+            self.warn("Camera direction and sky are parallel: the given right vector is used.");
             right = c.right;
         }
         let right = right.normalize();

@@ -17,7 +17,7 @@ impl Parser<'_> {
     pub(super) fn parse_rgb(&mut self) -> PResult<Rgb> {
         let c = self.parse_color_of(3)?;
         if c.filter != 0.0 || c.transmit != 0.0 {
-            self.warn("Parse Warning: Expected pure RGB color expression, unexpected filter and transmit components will have no effect.");
+            self.warn("Expected pure RGB color expression, unexpected filter and transmit components will have no effect.");
         }
         Ok(c.rgb)
     }
@@ -70,7 +70,7 @@ impl Parser<'_> {
                 TokenKind::Kw(Kw::Blue) => 2,
                 TokenKind::Kw(Kw::Filter) => 3,
                 TokenKind::Kw(Kw::Alpha) => {
-                    self.warn("Parse Warning: Keyword ALPHA discontinued. Use FILTER instead.");
+                    self.warn("Keyword ALPHA discontinued. Use FILTER instead.");
                     3
                 }
                 TokenKind::Kw(Kw::Transmit) => 4,

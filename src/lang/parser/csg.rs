@@ -14,7 +14,7 @@ impl Parser<'_> {
         let mut children = Vec::new();
         while let Some(child) = self.parse_object()? {
             if op != Csg::Union && op != Csg::Merge && super::objects::is_patch(&child.shape) {
-                self.warn("Parse Warning: Patch objects not allowed in intersection.");
+                self.warn("Patch objects not allowed in intersection.");
             }
             if children.len() >= self.options.max_objects {
                 return Err(self.error(format!("A set has more than {} objects.", self.options.max_objects)));
@@ -22,7 +22,7 @@ impl Parser<'_> {
             children.push(child);
         }
         if children.len() < 2 {
-            self.warn("Parse Warning: Should have at least 2 objects in csg.");
+            self.warn("Should have at least 2 objects in csg.");
         }
         Ok(Object::new(Shape::Csg { op, children }))
     }
@@ -291,7 +291,7 @@ impl Parser<'_> {
         if x > 0.0 {
             return Ok(x);
         }
-        self.warn(format!("Parse Warning: {what} must be positive: {default} is used."));
+        self.warn(format!("{what} must be positive: {default} is used."));
         Ok(default)
     }
 

@@ -112,7 +112,7 @@ impl Parser<'_> {
             _ => true,
         };
         if !closed {
-            self.warn("Parse Warning: Linear prism not closed. Closing it.");
+            self.warn("Linear prism not closed. Closing it.");
         }
         Ok(Shape::Prism { kind, conic, low: a.min(b), high: a.max(b), points, open })
     }

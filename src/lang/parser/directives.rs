@@ -85,7 +85,7 @@ impl Parser<'_> {
             Kw::Statistics => self.message(Stream::Statistics),
             Kw::Warning => {
                 let text = self.parse_text()?;
-                self.warn(format!("Parse Warning: {}", clip(&text, 160, 124).replace('\n', " ")));
+                self.warn(format!("{}", clip(&text, 160, 124).replace('\n', " ")));
                 Ok(())
             }
             Kw::Error => {
@@ -156,7 +156,7 @@ impl Parser<'_> {
 
     /// Whether a name, or the element of it that follows, has a value.
     fn is_defined(&mut self, name: Symbol) -> PResult<bool> {
-        let Some(mut place) = self.symbols.resolve(name) else { return Ok(false) };
+        let Some(mut place) = self.symbols.resolve(name) else { return Ok(self.symbols.valueless.contains(&name)) };
         while self.at_punct(Punct::LBracket)? {
             match self.symbols.value_at(&place) {
                 Some(Value::Array(_)) => self.subscripts(&mut place)?,
@@ -468,7 +468,7 @@ impl Parser<'_> {
             if p.at_punct(Punct::Semicolon)? {
                 p.next()?;
             } else {
-                p.warn("Parse Warning: #version should be ended by a semicolon.");
+                p.warn("#version should be ended by a semicolon.");
             }
             Ok(value)
         })?;

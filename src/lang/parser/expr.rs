@@ -244,7 +244,7 @@ impl Parser<'_> {
             }
             let n = a.n.max(b.n);
             if b.promoted(n).v[..n as usize].contains(&0.0) {
-                self.warn("Parse Warning: Divide by zero.");
+                self.warn("Divide by zero.");
             }
             a = combine(a, b, |x, y| if y == 0.0 { f64::INFINITY } else { x / y });
         }

@@ -169,10 +169,15 @@ impl Parser<'_> {
             }
             if !ended {
                 match self.read_item(handle)? {
-                    Some(value) => self.assign(&place, name, value)?,
-                    None => ended = true,
+                    Some((value, was_last)) => {
+                        self.assign(&place, name, value)?;
+                        ended = was_last;
+                    }
+                    None => {
+                        ended = true;
+                        self.symbols.valueless.insert(name);
+                    }
                 }
-                ended = ended || self.file_is_at_end(handle);
             }
             self.closed_place(|p| p.comma())?;
         }
@@ -196,14 +201,8 @@ impl Parser<'_> {
         Some(kind)
     }
 
-    fn file_is_at_end(&self, handle: usize) -> bool {
-        match &self.files[handle] {
-            Some(UserFile { mode: Mode::Read { tokens, at }, .. }) => tokens[*at].kind == TokenKind::Eof,
-            _ => true,
-        }
-    }
-
-    fn read_item(&mut self, handle: usize) -> PResult<Option<Value>> {
+    /// The next value of a file, and whether nothing follows it.
+    fn read_item(&mut self, handle: usize) -> PResult<Option<(Value, bool)>> {
         let Some(first) = self.file_token(handle) else { return Ok(None) };
         let value = match first {
             TokenKind::Str(s) => {
@@ -233,8 +232,8 @@ impl Parser<'_> {
             other => Value::Num(Num::float(self.read_number(handle, Some(other))?)),
         };
         // One more token is eaten, a comma or not.
-        self.file_token(handle);
-        Ok(Some(value))
+        let was_last = self.file_token(handle).is_none();
+        Ok(Some((value, was_last)))
     }
 
     fn read_number(&mut self, handle: usize, kind: Option<TokenKind>) -> PResult<f64> {

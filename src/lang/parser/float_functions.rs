@@ -87,13 +87,17 @@ impl Parser<'_> {
             Kw::Acos | Kw::Asin => {
                 let a = self.one()?;
                 if a.abs() > 1.0 {
-                    self.warn(format!("Parse Warning: Domain error in {}.", k.text()));
+                    self.warn(format!("Domain error in {}.", k.text()));
                 }
                 let a = a.clamp(-1.0, 1.0);
                 if k == Kw::Acos { a.acos() } else { a.asin() }
             }
             // C's formulas differ from Rust's in the last digits of nothing that a scene prints.
-            Kw::Acosh => self.one()?.acosh(),
+            Kw::Acosh => match self.one()? {
+                // C's acosh of less than 1 is a NaN that prints its sign.
+                a if a < 1.0 => -f64::NAN,
+                a => a.acosh(),
+            },
             Kw::Asinh => self.one()?.asinh(),
             Kw::Atan => self.one()?.atan(),
             Kw::Atanh => self.one()?.atanh(),

@@ -44,7 +44,7 @@ impl Parser<'_> {
         let colored = word == Kw::ImageMap;
         if self.at_punct(Punct::Lt)? {
             self.parse_vector3()?;
-            self.warn("Parse Warning: Old style orientation vector or map type not supported. Ignoring value.");
+            self.warn("Old style orientation vector or map type not supported. Ignoring value.");
         }
         let image = self.parse_image(colored)?;
         let mut map = ImageMap {

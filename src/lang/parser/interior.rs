@@ -193,7 +193,7 @@ impl Parser<'_> {
             if (1..=5).contains(&kind) {
                 m.scattering_type = kind as u8;
             } else {
-                p.warn("Parse Warning: Unknown atmospheric scattering type: it is taken as isotropic.");
+                p.warn("Unknown atmospheric scattering type: it is taken as isotropic.");
                 m.scattering_type = 1;
             }
             loop {
@@ -271,7 +271,7 @@ impl Parser<'_> {
                     continue;
                 }
                 if !matches!(p.peek_kw()?, Some(Kw::X | Kw::Y | Kw::Z | Kw::U | Kw::V | Kw::T)) && p.number_follows()? {
-                    p.warn("Parse Warning: Should use distance keyword.");
+                    p.warn("Should use distance keyword.");
                     f.distance = p.parse_float()?;
                     continue;
                 }
@@ -308,7 +308,7 @@ impl Parser<'_> {
                     }
                     Kw::Translate => {
                         p.parse_transform()?;
-                        p.warn("Parse Warning: A fog's up vector can't be translated.");
+                        p.warn("A fog's up vector can't be translated.");
                     }
                     _ => match p.parse_transform()? {
                         Some(t) => f.up = t.vector(f.up),

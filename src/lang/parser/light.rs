@@ -226,13 +226,13 @@ impl Parser<'_> {
             _ => a.area_illumination = self.parse_switch()?,
         }
         if !is_area && matches!(k, Kw::Circular | Kw::Orient | Kw::AreaIllumination) {
-            self.warn(format!("Parse Warning: '{}' should stand after area_light.", k.text()));
+            self.warn(format!("'{}' should stand after area_light.", k.text()));
         }
         if is_area && k == Kw::Circular && (a.n1 < 2 || a.n2 < 2) {
             return Err(self.error("Circular area lights must have more than one point on each axis."));
         }
         if is_area && k == Kw::Orient && a.n1 != a.n2 {
-            self.warn("Parse Warning: When using orient, the two sample sizes for an area light should be equal.");
+            self.warn("When using orient, the two sample sizes for an area light should be equal.");
         }
         Ok(())
     }

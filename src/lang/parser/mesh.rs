@@ -366,7 +366,7 @@ impl Parser<'_> {
             i += 1;
         }
         if !closed {
-            self.warn("Parse Warning: Polygon not closed. Closing it.");
+            self.warn("Polygon not closed. Closing it.");
             points.push(first);
         }
         Ok(Shape::Polygon { points })
@@ -378,7 +378,7 @@ impl Parser<'_> {
         loop {
             if matches!(self.peek()?.kind, TokenKind::Float(_)) {
                 // The oldest syntax: type, flatness, steps, without commas.
-                self.warn("Parse Warning: Should use keywords for bicubic parameters.");
+                self.warn("Should use keywords for bicubic parameters.");
                 self.parse_int()?;
                 flatness = self.parse_float()?;
                 u_steps = self.parse_int()?;

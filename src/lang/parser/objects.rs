@@ -372,7 +372,7 @@ impl Parser<'_> {
             }
             _ if super::expr::word_class(k) == super::expr::WordClass::Color => {
                 self.parse_color()?;
-                self.warn("Parse Warning: Quick color belongs in texture. Color ignored.");
+                self.warn("Quick color belongs in texture. Color ignored.");
             }
             _ => return Ok(false),
         }

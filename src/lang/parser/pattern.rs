@@ -333,7 +333,7 @@ impl Parser<'_> {
                 self.next()?;
                 let e = self.parse_int()?;
                 if !(2..=33).contains(&e) {
-                    self.warn("Parse Warning: Invalid fractal pattern exponent; 2 is used.");
+                    self.warn("Invalid fractal pattern exponent; 2 is used.");
                 }
                 f.exponent = if (2..=33).contains(&e) { e as u32 } else { 2 };
             }

@@ -30,19 +30,19 @@ impl Parser<'_> {
                         p.next()?;
                         let n = p.parse_int()?;
                         if n > 256 {
-                            p.warn("Parse Warning: Maximum max_trace_level is 256.");
+                            p.warn("Maximum max_trace_level is 256.");
                         }
                         p.scene.settings.max_trace_level = n.clamp(1, 256) as u32;
                     }
                     Kw::MaxIntersections => {
                         p.next()?;
                         p.parse_float()?;
-                        p.warn("Parse Warning: 'max_intersections' is no longer needed.");
+                        p.warn("'max_intersections' is no longer needed.");
                     }
                     Kw::HfGray16 => {
                         p.next()?;
                         p.parse_switch()?;
-                        p.warn("Parse Warning: In POV-Ray v3.7 'hf_gray_16' has no effect on the output file type.");
+                        p.warn("In POV-Ray v3.7 'hf_gray_16' has no effect on the output file type.");
                     }
                     Kw::MmPerUnit => {
                         p.next()?;
@@ -62,7 +62,7 @@ impl Parser<'_> {
                         p.next()?;
                         let n = p.parse_int()?;
                         if n < 1 {
-                            p.warn("Parse Warning: Illegal Value: number_of_waves must be at least 1. Changed to 1.");
+                            p.warn("Illegal Value: number_of_waves must be at least 1. Changed to 1.");
                         }
                         p.scene.settings.number_of_waves = n.clamp(1, 100_000) as u32;
                         p.noise_changed();
@@ -109,7 +109,7 @@ impl Parser<'_> {
             if (g - 1.0).abs() < 1e-6 { WorkingGamma::Linear } else { WorkingGamma::Power(g) }
         };
         if self.gamma_set {
-            self.warn("Parse Warning: New instance of 'assumed_gamma' ignored.");
+            self.warn("New instance of 'assumed_gamma' ignored.");
             return Ok(());
         }
         self.gamma_set = true;
@@ -272,7 +272,7 @@ impl Parser<'_> {
             } else {
                 s.maximum_reuse = s.minimum_reuse * 2.0;
             }
-            self.warn("Parse Warning: Adjusted radiosity's minimum_reuse and maximum_reuse to each other.");
+            self.warn("Adjusted radiosity's minimum_reuse and maximum_reuse to each other.");
         }
         if s.minimum_reuse >= s.maximum_reuse {
             return Err(self.error("Radiosity minimum_reuse must be smaller than maximum_reuse."));

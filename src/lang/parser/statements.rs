@@ -38,7 +38,7 @@ impl Parser<'_> {
                 self.next()?;
                 let camera = self.parse_camera()?;
                 if self.camera_set {
-                    self.warn("Parse Warning: More than one camera in scene. Ignoring previous camera(s).");
+                    self.warn("More than one camera in scene. Ignoring previous camera(s).");
                 }
                 self.camera_set = true;
                 self.scene.camera = camera;
@@ -71,7 +71,7 @@ impl Parser<'_> {
                 self.next()?;
                 let s = self.parse_sky_sphere()?;
                 if self.scene.sky_sphere.is_some() {
-                    self.warn("Parse Warning: Only one sky-sphere allowed (last one will be used).");
+                    self.warn("Only one sky-sphere allowed (last one will be used).");
                 }
                 self.scene.sky_sphere = Some(s);
                 Ok(())
@@ -110,7 +110,7 @@ impl Parser<'_> {
             Kw::Declare | Kw::Include | Kw::Default => {
                 // Old scenes leave the # out.
                 self.next()?;
-                self.warn(format!("Parse Warning: Should have '#' before '{}'.", k.text()));
+                self.warn(format!("Should have '#' before '{}'.", k.text()));
                 match k {
                     Kw::Declare => self.declare(false),
                     Kw::Default => self.default_directive(),
@@ -155,16 +155,13 @@ impl Parser<'_> {
     pub(super) fn finish_scene(&mut self) -> PResult<Scene> {
         let mut scene = std::mem::take(&mut self.scene);
         if scene.objects.is_empty() {
-            self.warn("Parse Warning: No objects in scene.");
+            self.warn("No objects in scene.");
         }
         if !self.camera_set {
             scene.camera = self.defaults.camera.clone();
         }
         if !self.version_set {
-            self.warn_once(
-                "no version",
-                "Parse Warning: This scene did not contain a #version directive: it is treated as one of version 3.62.",
-            );
+            self.warn_once("no version", "This scene did not contain a #version directive: it is treated as one of version 3.62.");
         }
         scene.settings.version = if self.version_set { self.version } else { 362 };
         if !self.gamma_set {

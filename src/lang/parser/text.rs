@@ -33,7 +33,7 @@ impl Parser<'_> {
         let face = Face::parse(&bytes, 0).map_err(|e| self.error(format!("Cannot read font '{name}': {e}.")))?;
         let (glyphs, n_missing) = lay_out(&face, &text, offset, !self.utf8);
         if n_missing > 0 {
-            self.warn(format!("Parse Warning: {n_missing} characters of the text are not in font '{name}'."));
+            self.warn(format!("{n_missing} characters of the text are not in font '{name}'."));
         }
         let mut o = Object::new(Shape::Text { glyphs, depth });
         o.apply_transform(&Transform::rotation_deg(DVec3::splat(0.001)));

@@ -87,7 +87,7 @@ impl Parser<'_> {
             pigment.kind = PigmentKind::Solid(c);
             pigment.pattern = Pattern::default();
         } else if !known {
-            self.warn("Parse Warning: Pigment type unspecified or not 1st item.");
+            self.warn("Pigment type unspecified or not 1st item.");
             untyped = true;
         }
         self.pigment_modifiers(pigment, word, untyped)?;
@@ -476,7 +476,7 @@ impl Parser<'_> {
                     self.next()?;
                     f.roughness = self.parse_float()? as f32;
                     if f.roughness == 0.0 {
-                        self.warn("Parse Warning: Zero roughness used.");
+                        self.warn("Zero roughness used.");
                     }
                 }
                 Kw::Metallic => {
@@ -510,17 +510,17 @@ impl Parser<'_> {
                 Kw::Ior => {
                     self.next()?;
                     extras.ior = Some(self.parse_float()?);
-                    self.warn("Parse Warning: Index of refraction value should be specified in 'interior' statement.");
+                    self.warn("Index of refraction value should be specified in 'interior' statement.");
                 }
                 Kw::Caustics => {
                     self.next()?;
                     extras.caustics = Some(self.parse_float()?);
-                    self.warn("Parse Warning: Caustics value should be specified in 'interior' statement.");
+                    self.warn("Caustics value should be specified in 'interior' statement.");
                 }
                 Kw::Refraction => {
                     self.next()?;
                     extras.refraction = Some(self.parse_float()?);
-                    self.warn("Parse Warning: Refraction value unnecessary to turn on refraction.");
+                    self.warn("Refraction value unnecessary to turn on refraction.");
                 }
                 _ => break,
             }

@@ -47,7 +47,7 @@ impl Parser<'_> {
     fn parse_scale(&mut self) -> PResult<DVec3> {
         let mut v = self.parse_vector3()?;
         if v.to_array().contains(&0.0) {
-            self.warn("Parse Warning: Illegal Value: Scale by 0.0. Changed to 1.0.");
+            self.warn("Illegal Value: Scale by 0.0. Changed to 1.0.");
             v = v.map(|x| if x == 0.0 { 1.0 } else { x });
         }
         if !v.is_finite() {
@@ -68,7 +68,7 @@ impl Parser<'_> {
         self.expect(Punct::Gt)?;
         for c in 0..3 {
             if (0..3).all(|r| m[3 * r + c].abs() < EPSILON) {
-                self.warn(format!("Parse Warning: Illegal matrix column: Scale by 0.0. Changed to 1.0 (column {c})."));
+                self.warn(format!("Illegal matrix column: Scale by 0.0. Changed to 1.0 (column {c})."));
                 m[3 * c + c] = 1.0;
             }
         }
