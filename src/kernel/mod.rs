@@ -13,6 +13,7 @@ pub mod inside;
 pub mod intersect;
 pub mod lens;
 pub mod light;
+pub mod material;
 pub mod media;
 pub mod mesh_camera;
 pub mod normal;

@@ -12,6 +12,7 @@ pub mod function;
 pub mod image;
 pub mod interior;
 pub mod light;
+pub mod material;
 pub mod object;
 pub mod pattern;
 pub mod query;
@@ -25,13 +26,14 @@ pub use function::{Function, FunctionBody};
 pub use image::{Image, ImageMap};
 pub use interior::{Fog, Interior, Media, Rainbow, SkySphere};
 pub use light::Light;
+pub use material::Principled;
 pub use object::{Object, ObjectFlags};
 pub use pattern::{DensityGrid, Pattern, PatternKind, Warp};
 pub use query::SceneQuery;
 pub use settings::Settings;
 pub use shape::{Csg, Mesh, Shape};
 pub use spline::Spline;
-pub use texture::{BlendMap, Finish, Normal, NormalKind, Pigment, PigmentKind, Principled, Texture, TextureLayer};
+pub use texture::{BlendMap, Finish, Normal, NormalKind, Pigment, PigmentKind, Texture, TextureLayer};
 
 use crate::math::Rgbft;
 

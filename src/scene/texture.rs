@@ -1,6 +1,6 @@
 //! Textures: pigment, normal and finish, in layers or chosen by patterns; and the physically based material of imports.
 
-use super::{ImageMap, Pattern};
+use super::{ImageMap, Pattern, Principled};
 use crate::math::{Rgb, Rgbft, Transform, Vec3};
 use std::sync::Arc;
 
@@ -181,53 +181,6 @@ pub struct TextureLayer {
     pub normal: Option<Arc<Normal>>,
     /// Answer to light.
     pub finish: Arc<Finish>,
-}
-
-/// A glTF/Blender material. Textures multiply their factors; colours are linear. Source: glTF 2.0 section 3.9.
-#[derive(Clone, Debug)]
-#[expect(missing_docs, reason = "the names are glTF's")]
-pub struct Principled {
-    pub base_color: Rgb,
-    pub alpha: f32,
-    /// `Some(cutoff)` for alpha masks.
-    pub alpha_cutoff: Option<f32>,
-    pub metallic: f32,
-    pub roughness: f32,
-    pub ior: f32,
-    pub specular: f32,
-    pub transmission: f32,
-    /// Radiance, strength included.
-    pub emission: Rgb,
-    pub base_color_texture: Option<Arc<ImageMap>>,
-    /// Roughness in green, metallic in blue, not colour-decoded.
-    pub metallic_roughness_texture: Option<Arc<ImageMap>>,
-    pub emission_texture: Option<Arc<ImageMap>>,
-    /// Tangent-space normals, not colour-decoded.
-    pub normal_texture: Option<Arc<ImageMap>>,
-    pub normal_scale: f32,
-    pub double_sided: bool,
-}
-
-impl Default for Principled {
-    fn default() -> Self {
-        Self {
-            base_color: Vec3::ONE,
-            alpha: 1.0,
-            alpha_cutoff: None,
-            metallic: 0.0,
-            roughness: 1.0,
-            ior: 1.5,
-            specular: 1.0,
-            transmission: 0.0,
-            emission: Vec3::ZERO,
-            base_color_texture: None,
-            metallic_roughness_texture: None,
-            emission_texture: None,
-            normal_texture: None,
-            normal_scale: 1.0,
-            double_sided: true,
-        }
-    }
 }
 
 /// What covers a surface.

@@ -140,9 +140,7 @@ impl TextureBuilder {
                 (TextureNode::MaterialMap { pattern, image, start, len }, traits)
             }
             Texture::Principled(p) => {
-                let cutout = p.alpha_cutoff.is_some() && p.base_color_texture.as_ref().is_some_and(|t| t.image.has_alpha);
-                let blended = p.base_color_texture.as_ref().is_some_and(|t| t.image.has_alpha);
-                let transparent = p.transmission > 0.0 || p.alpha < 1.0 || cutout || blended;
+                let transparent = p.lets_light_through();
                 self.tables.principled.push((**p).clone());
                 (TextureNode::Principled(self.tables.principled.len() as u32 - 1), Traits { transparent, uv: true })
             }

@@ -1,5 +1,6 @@
 //! What every tracer of a scene shares, worked out once before the first ray.
 
+use super::emitters::{EmitterPoint, emitter_points};
 use super::ray::InteriorList;
 use crate::compile::{CompiledScene, NONE};
 use crate::kernel::camera::CameraModel;
@@ -46,6 +47,8 @@ pub struct ScenePlan {
     pub global_lights: Vec<u32>,
     /// By light group: its lights and those of the groups around it.
     pub group_lights: Vec<Vec<u32>>,
+    /// Points that stand for shining imported surfaces.
+    pub emitters: Vec<EmitterPoint>,
     /// Language 3.7 rules for layers and skies.
     pub modern: bool,
     /// Background is transparent to camera rays.
@@ -71,6 +74,7 @@ impl ScenePlan {
             quality: Quality::new(scene.options.quality),
             global_lights,
             group_lights,
+            emitters: emitter_points(scene),
             modern: scene.settings.version >= 370,
             output_alpha,
             has_media: !scene.media.is_empty(),

@@ -88,7 +88,7 @@ impl Tracer<'_> {
                 let layers = self.shade_layers(ctx, *start, *len, p, space, weight);
                 self.finish_layers(ctx, layers, weight)
             }
-            TextureNode::Principled(ix) => self.shade_principled(ctx, *ix, p, weight),
+            TextureNode::Principled(ix) => self.shade_principled(ctx, *ix, weight),
             node => {
                 let parts = cover::blend(scene, node, p, space);
                 let inner = Space { parent: Some(space), step: parts.step, seen: space.seen };

@@ -67,6 +67,28 @@ impl Tracer<'_> {
         color
     }
 
+    /// What surfaces leave of light that comes along `ray` from `distance` away; the air is not looked at.
+    pub(super) fn clear_way(&self, around: &InteriorList, mut ray: Ray, distance: f64) -> Rgb {
+        let (mut color, mut left) = (Vec3::ONE, distance);
+        let mut list = around.clone();
+        for _ in 0..MAX_CLEAR_SURFACES {
+            match intersect_shadow(self.scene, &ray, SHADOW_TOLERANCE, left - SHADOW_TOLERANCE, u32::MAX) {
+                ShadowHit::None => break,
+                ShadowHit::Opaque { .. } => return Vec3::ZERO,
+                ShadowHit::Transparent(hit) => {
+                    color *= self.surface_filter(&ray, &hit, &list);
+                    list.toggle(self.scene, self.scene.geometry.prims[hit.prim_ix as usize].interior_ix);
+                    ray.origin = hit.point;
+                    left -= hit.t;
+                    if is_dark(color) || left <= 2.0 * SHADOW_TOLERANCE {
+                        break;
+                    }
+                }
+            }
+        }
+        color
+    }
+
     /// What the air and the media on `0..depth` of a shadow ray leave of `color`; `hit` ends the piece unless it ends at the light.
     fn shadow_air(&mut self, light_ix: u32, ray: &Ray, depth: f64, around: &InteriorList, color: Rgb, hit: Option<&SurfaceHit>) -> Rgb {
         if !self.plan.quality.volumes {
@@ -97,7 +119,7 @@ impl Tracer<'_> {
         for k in 0..covers.len() {
             let (c, weight) = covers.get(k);
             let p = cover::pattern_point(scene, hit, prim, &c, normal, ray.dir);
-            sum += weight * self.texture_filter(c.texture, &p, &cover::Space::of_cover(&c, &seen), ray.dir, interior.caustics);
+            sum += weight * self.texture_filter(c.texture, hit, &p, &cover::Space::of_cover(&c, &seen), ray.dir, interior.caustics);
         }
         if interior.fade_power > 0.0 && around.position(prim.interior_ix).is_some() {
             sum *= fade_factor(interior, hit.t);
@@ -105,7 +127,7 @@ impl Tracer<'_> {
         sum
     }
 
-    fn texture_filter(&self, texture: u32, p: &PatternPoint, space: &cover::Space, dir: DVec3, caustics: f64) -> Rgb {
+    fn texture_filter(&self, texture: u32, hit: &SurfaceHit, p: &PatternPoint, space: &cover::Space, dir: DVec3, caustics: f64) -> Rgb {
         let scene = self.scene;
         match &scene.textures.textures[texture as usize] {
             TextureNode::Layers { start, len } => {
@@ -125,13 +147,13 @@ impl Tracer<'_> {
                 }
                 product
             }
-            TextureNode::Principled(ix) => self.principled_filter(*ix, p),
+            TextureNode::Principled(ix) => self.principled_filter(*ix, hit),
             node => {
                 let parts = cover::blend(scene, node, p, space);
                 let inner = cover::Space { parent: Some(space), step: parts.step, seen: space.seen };
                 (0..parts.entries.len()).fold(Vec3::ZERO, |sum, k| {
                     let (texture, share) = parts.entries.get(k);
-                    sum + share * self.texture_filter(texture, &parts.point, &inner, dir, caustics)
+                    sum + share * self.texture_filter(texture, hit, &parts.point, &inner, dir, caustics)
                 })
             }
         }

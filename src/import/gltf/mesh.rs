@@ -1,0 +1,183 @@
+//! Primitives of a mesh → triangles with normals, coordinates and colours. Source: glTF 2.0, section 3.7.2.
+
+use super::super::ImportError;
+use super::Document;
+use super::accessor::Accessor;
+use crate::diag::Sink;
+use crate::math::Vec3;
+use crate::scene::Mesh;
+use ::gltf::json::mesh::{Mode, Primitive, Semantic};
+use ::gltf::json::validation::Checked;
+
+/// Most vertices, and most faces, of all meshes of a file: what fits in memory many times over is a claim, not a model.
+pub(super) const MAX_VERTICES: usize = 1 << 28;
+
+/// Triangles and vertices that may still come.
+pub(super) struct Budget {
+    pub left: usize,
+}
+
+impl Budget {
+    fn take(&mut self, doc: &Document, n: usize) -> Result<(), ImportError> {
+        match self.left.checked_sub(n) {
+            Some(left) => self.left = left,
+            None => return Err(ImportError::TooMany { path: doc.path.to_owned(), what: "vertices and faces", limit: MAX_VERTICES }),
+        }
+        Ok(())
+    }
+}
+
+/// The triangles of a primitive; `None` for points, lines and what has no faces left. `uv_set` is the material's set of coordinates,
+/// `weights` those of morph targets.
+pub(super) fn triangles(
+    doc: &Document,
+    primitive: &Primitive,
+    place: &dyn Fn() -> String,
+    uv_set: u32,
+    weights: &[f32],
+    budget: &mut Budget,
+    sink: &mut Sink,
+) -> Result<Option<Mesh>, ImportError> {
+    let Checked::Valid(mode) = primitive.mode else { return Err(doc.invalid(place(), "its mode is unknown")) };
+    if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+        sink.note_once("gltf: points and lines", None, "points and lines are left out");
+        return Ok(None);
+    }
+    let attribute = |s: Semantic| primitive.attributes.get(&Checked::Valid(s)).map(|ix| ix.value());
+    let Some(positions) = attribute(Semantic::Positions) else {
+        sink.note_once("gltf: no positions", None, format!("{} has no positions and is left out", place()));
+        return Ok(None);
+    };
+    let positions = Accessor::new(doc, positions, &[3], place)?;
+    let indices = match &primitive.indices {
+        Some(ix) => {
+            let a = Accessor::new(doc, ix.value(), &[1], place)?;
+            budget.take(doc, a.count)?;
+            Some(a.all_indices().ok_or_else(|| doc.invalid(place(), "its indices are no unsigned integers"))?)
+        }
+        None => None,
+    };
+    let n = positions.count;
+    if let Some(bad) = indices.iter().flatten().find(|i| **i as usize >= n) {
+        let (path, place) = (doc.path.to_owned(), place());
+        return Err(ImportError::IndexOutOfRange { path, place, index: i64::from(*bad), count: n, what: "vertices" });
+    }
+    // Exporters that put everything into one accessor: take the vertices that this primitive uses, no more.
+    let (used, corners) = match indices {
+        Some(list) if n / 2 > list.len() => {
+            let mut used = list.clone();
+            used.sort_unstable();
+            used.dedup();
+            let place_of = |i: &u32| used.binary_search(i).expect("it came from the list") as u32;
+            let corners = list.iter().map(place_of).collect();
+            (Some(used), corners)
+        }
+        Some(list) => (None, list),
+        None => {
+            budget.take(doc, n)?;
+            if n > u32::MAX as usize {
+                return Err(doc.invalid(place(), format!("{n} vertices are more than 32-bit indices count")));
+            }
+            (None, (0..n as u32).collect())
+        }
+    };
+    let used = used.as_deref();
+    let n_used = used.map_or(n, <[u32]>::len);
+    budget.take(doc, n_used)?;
+    let mut vertices: Vec<Vec3> = gathered(&positions, used, 0.0).into_iter().map(Vec3::from_array).collect();
+    let same_count = |s: Semantic, kinds: &[usize]| -> Result<Option<Accessor>, ImportError> {
+        let Some(ix) = attribute(s) else { return Ok(None) };
+        let a = Accessor::new(doc, ix, kinds, place)?;
+        if a.count == n { Ok(Some(a)) } else { Err(doc.invalid(place(), format!("accessor {ix} has {} elements, the positions {n}", a.count))) }
+    };
+    let mut normals: Vec<Vec3> = match same_count(Semantic::Normals, &[3])? {
+        Some(a) => gathered(&a, used, 0.0).into_iter().map(|n| Vec3::from_array(n).try_normalize().unwrap_or(Vec3::ZERO)).collect(),
+        None => Vec::new(),
+    };
+    morph(doc, primitive, place, weights, used, &mut vertices, &mut normals)?;
+    if let Some(bad) = vertices.iter().position(|v| !v.is_finite()) {
+        let v = vertices[bad];
+        let vertex = used.map_or(bad, |u| u[bad] as usize);
+        return Err(ImportError::NotFinite { path: doc.path.to_owned(), place: place(), vertex, x: v.x, y: v.y, z: v.z });
+    }
+    let uvs: Vec<[f32; 2]> = match same_count(Semantic::TexCoords(uv_set), &[2])? {
+        Some(a) => gathered(&a, used, 0.0).into_iter().map(|c: [f32; 2]| if c.iter().all(|v| v.is_finite()) { c } else { [0.0; 2] }).collect(),
+        None => Vec::new(),
+    };
+    let colors = match same_count(Semantic::Colors(0), &[3, 4])? {
+        Some(a) => gathered(&a, used, 1.0),
+        None => Vec::new(),
+    };
+    let faces = faces(mode, &corners, &vertices);
+    if faces.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some(Mesh {
+        normal_indices: if normals.is_empty() { Vec::new() } else { faces.clone() },
+        uv_indices: if uvs.is_empty() { Vec::new() } else { faces.clone() },
+        vertices,
+        normals,
+        uvs,
+        faces,
+        colors,
+        ..Mesh::default()
+    }))
+}
+
+fn gathered<const N: usize>(a: &Accessor, used: Option<&[u32]>, rest: f32) -> Vec<[f32; N]> {
+    match used {
+        Some(list) => list.iter().map(|k| a.floats(*k as usize, rest)).collect(),
+        None => a.all_floats(rest),
+    }
+}
+
+/// Moves vertices and normals by the morph targets.
+fn morph(
+    doc: &Document,
+    primitive: &Primitive,
+    place: &dyn Fn() -> String,
+    weights: &[f32],
+    used: Option<&[u32]>,
+    vertices: &mut [Vec3],
+    normals: &mut [Vec3],
+) -> Result<(), ImportError> {
+    let targets = primitive.targets.iter().flatten().zip(weights).filter(|(_, w)| **w != 0.0);
+    let mut moved = false;
+    for (target, weight) in targets {
+        for (ix, list) in [(&target.positions, &mut *vertices), (&target.normals, &mut *normals)] {
+            let Some(ix) = ix else { continue };
+            let a = Accessor::new(doc, ix.value(), &[3], place)?;
+            if !list.is_empty() && a.count < used.map_or(list.len(), |u| u.last().map_or(0, |l| *l as usize + 1)) {
+                return Err(doc.invalid(place(), format!("morph target accessor {} has only {} elements", a.ix, a.count)));
+            }
+            moved = true;
+            for (k, v) in list.iter_mut().enumerate() {
+                *v += *weight * Vec3::from_array(a.floats(used.map_or(k, |u| u[k] as usize), 0.0));
+            }
+        }
+    }
+    if moved {
+        normals.iter_mut().for_each(|n| *n = n.try_normalize().unwrap_or(Vec3::ZERO));
+    }
+    Ok(())
+}
+
+/// Triangles of a list of corners, without those that have no area.
+fn faces(mode: Mode, corners: &[u32], vertices: &[Vec3]) -> Vec<[u32; 3]> {
+    let solid = |f: &[u32; 3]| {
+        let [a, b, c] = f.map(|k| vertices[k as usize]);
+        f[0] != f[1] && f[1] != f[2] && f[2] != f[0] && (b - a).as_dvec3().cross((c - a).as_dvec3()) != crate::math::DVec3::ZERO
+    };
+    match mode {
+        Mode::TriangleStrip => {
+            // Every second triangle is turned, so that all face the same way.
+            let turned = |(k, w): (usize, &[u32])| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
+            corners.windows(3).enumerate().map(turned).filter(solid).collect()
+        }
+        Mode::TriangleFan => match corners.split_first() {
+            Some((hub, rim)) => rim.windows(2).map(|w| [w[0], w[1], *hub]).filter(solid).collect(),
+            None => Vec::new(),
+        },
+        _ => corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).filter(solid).collect(),
+    }
+}

@@ -1,0 +1,1 @@
+//! Small glTF files, written by the tests.
