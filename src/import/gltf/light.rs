@@ -52,7 +52,8 @@ pub(super) fn light(doc: &Document, ix: usize, world: &DAffine3, units: Units) -
         Type::Point => shining,
         Type::Directional => Light { kind: LightKind::Sun { direction, angle_rad: 0.0 }, fade: Fade::None, ..shining },
         Type::Spot => {
-            let (inner, outer) = record.spot.as_ref().map_or((0.0, std::f32::consts::FRAC_PI_4), |s| (s.inner_cone_angle, s.outer_cone_angle));
+            let (inner, outer) =
+                record.spot.as_ref().map_or((0.0, std::f32::consts::FRAC_PI_4), |s| (s.inner_cone_angle, s.outer_cone_angle));
             let outer = f64::from(outer).clamp(1e-4, std::f64::consts::FRAC_PI_2);
             let inner = f64::from(inner).clamp(0.0, outer);
             // Blender writes inner = outer * (1 - blend); Cycles' edge reaches over that share of 1 - cos(outer).

@@ -88,7 +88,11 @@ pub(super) fn triangles(
     let same_count = |s: Semantic, kinds: &[usize]| -> Result<Option<Accessor>, ImportError> {
         let Some(ix) = attribute(s) else { return Ok(None) };
         let a = Accessor::new(doc, ix, kinds, place)?;
-        if a.count == n { Ok(Some(a)) } else { Err(doc.invalid(place(), format!("accessor {ix} has {} elements, the positions {n}", a.count))) }
+        if a.count == n {
+            Ok(Some(a))
+        } else {
+            Err(doc.invalid(place(), format!("accessor {ix} has {} elements, the positions {n}", a.count)))
+        }
     };
     let mut normals: Vec<Vec3> = match same_count(Semantic::Normals, &[3])? {
         Some(a) => gathered(&a, used, 0.0).into_iter().map(|n| Vec3::from_array(n).try_normalize().unwrap_or(Vec3::ZERO)).collect(),
@@ -101,7 +105,9 @@ pub(super) fn triangles(
         return Err(ImportError::NotFinite { path: doc.path.to_owned(), place: place(), vertex, x: v.x, y: v.y, z: v.z });
     }
     let uvs: Vec<[f32; 2]> = match same_count(Semantic::TexCoords(uv_set), &[2])? {
-        Some(a) => gathered(&a, used, 0.0).into_iter().map(|c: [f32; 2]| if c.iter().all(|v| v.is_finite()) { c } else { [0.0; 2] }).collect(),
+        Some(a) => {
+            gathered(&a, used, 0.0).into_iter().map(|c: [f32; 2]| if c.iter().all(|v| v.is_finite()) { c } else { [0.0; 2] }).collect()
+        }
         None => Vec::new(),
     };
     let colors = match same_count(Semantic::Colors(0), &[3, 4])? {

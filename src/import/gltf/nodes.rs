@@ -46,8 +46,7 @@ pub(super) fn scene(doc: &Document, options: &ImportOptions, sink: &mut Sink) ->
     if doc.root.scenes.len() > 1 {
         sink.note_once("gltf: scenes", None, format!("the file has {} scenes; one is shown", doc.root.scenes.len()));
     }
-    let mut b =
-        Builder { doc, options, units, covers, parts: Parts::new(), budget, scene: Scene::default(), has_camera: false, sink };
+    let mut b = Builder { doc, options, units, covers, parts: Parts::new(), budget, scene: Scene::default(), has_camera: false, sink };
     b.walk(roots(doc)?)?;
     Ok(Imported { scene: b.scene, has_camera: b.has_camera })
 }

@@ -11,10 +11,10 @@ use super::refract::Through;
 use super::shade::HitContext;
 use super::trace::Tracer;
 use crate::compile::geometry::prim_flags;
+use crate::kernel::SurfaceHit;
 use crate::kernel::finish::reflect;
 use crate::kernel::light::{attenuation, light_ray};
 use crate::kernel::material::{Material, Normals, material_at, normals_at};
-use crate::kernel::SurfaceHit;
 use crate::math::{DVec3, Ray, Rgb, Vec3};
 use std::f64::consts::PI;
 
