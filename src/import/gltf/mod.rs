@@ -8,8 +8,6 @@ mod light;
 mod material;
 mod mesh;
 mod nodes;
-#[cfg(test)]
-mod tests;
 
 use super::files::{self, Target};
 use super::{ImportError, ImportOptions, Imported};

@@ -19,7 +19,7 @@ use crate::math::{DVec3, Ray, Rgb, Vec3};
 use std::f64::consts::PI;
 
 /// Up to this roughness mirrors are sharp; their sharp part is gone at the second one. Picked by feel.
-const SHARP_MIRROR: (f32, f32) = (0.15, 0.45);
+const SHARP_MIRROR: (f32, f32) = (0.1, 0.35);
 
 /// A material as light sees it at a hit.
 struct Lit<'l> {
@@ -31,17 +31,19 @@ struct Lit<'l> {
     diffuse: Rgb,
     /// GGX width.
     alpha: f64,
+    /// Share of the mirror that is sharp: it sees shining surfaces themselves.
+    gloss: f32,
 }
 
 impl Lit<'_> {
-    /// Reflected radiance for unit irradiance at right angles from `to_light`; zero from behind.
-    fn answer(&self, to_light: DVec3) -> Rgb {
+    /// Reflected radiance for unit irradiance at right angles from `to_light`; zero from behind. `shine` weighs the highlight.
+    fn answer(&self, to_light: DVec3, shine: f32) -> Rgb {
         let nl = self.n.shading.dot(to_light);
         if nl <= 0.0 || self.n.flat.dot(to_light) <= 0.0 {
             return Vec3::ZERO;
         }
         let (highlight, fresnel) = ggx(self.n.shading, to_light, self.to_eye, self.alpha, self.m.f0);
-        self.diffuse * (Vec3::ONE - fresnel) * (nl / PI) as f32 + highlight
+        self.diffuse * (Vec3::ONE - fresnel) * (nl / PI) as f32 + shine * highlight
     }
 }
 
@@ -85,7 +87,9 @@ impl Tracer<'_> {
     fn surface_light(&mut self, ctx: &HitContext, m: &Material, n: Normals, weight: f64) -> Rgb {
         let dir = ctx.ray.ray.dir;
         let solid = (1.0 - m.metallic) * (1.0 - m.transmission);
-        let lit = Lit { m, n, to_eye: -dir, diffuse: m.base * solid, alpha: f64::from(m.roughness * m.roughness).max(1e-3) };
+        let gloss = ((SHARP_MIRROR.1 - m.roughness) / (SHARP_MIRROR.1 - SHARP_MIRROR.0)).clamp(0.0, 1.0);
+        let alpha = f64::from(m.roughness * m.roughness).max(1e-3);
+        let lit = Lit { m, n, to_eye: -dir, diffuse: m.base * solid, alpha, gloss };
         let mut rgb = m.emission;
         let inside = ctx.ray.interiors.position(ctx.prim.interior_ix).is_some() && m.transmission > 0.0;
         if !inside {
@@ -119,7 +123,7 @@ impl Tracer<'_> {
     /// What a smooth surface mirrors, and the sky in a rough one.
     fn mirrored_light(&mut self, ctx: &HitContext, lit: &Lit, mirror: Rgb, inside: bool, weight: f64) -> Rgb {
         let out = reflect(ctx.ray.ray.dir, lit.n.shading, lit.n.flat);
-        let gloss = ((SHARP_MIRROR.1 - lit.m.roughness) / (SHARP_MIRROR.1 - SHARP_MIRROR.0)).clamp(0.0, 1.0);
+        let gloss = lit.gloss;
         let mut rgb = Vec3::ZERO;
         if gloss > 0.0 {
             let factor = mirror * gloss;
@@ -157,7 +161,7 @@ impl Tracer<'_> {
         let light = &self.scene.lights[light_ix as usize].light;
         let point = ctx.hit.point;
         let way = light_ray(light, point, DVec3::ZERO);
-        let answer = lit.answer(way.dir);
+        let answer = lit.answer(way.dir, 1.0);
         let color = light.color * attenuation(light, point, &way) as f32;
         if is_dark(answer) || is_dark(color) {
             return Vec3::ZERO;
@@ -193,7 +197,7 @@ impl Tracer<'_> {
         let distance = to.length();
         let Some(dir) = to.try_normalize() else { return Vec3::ZERO };
         let irradiance = e.irradiance(dir, distance);
-        let answer = lit.answer(dir) * irradiance;
+        let answer = lit.answer(dir, 1.0 - lit.gloss) * irradiance;
         if is_dark(answer) {
             return Vec3::ZERO;
         }

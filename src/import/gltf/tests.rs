@@ -1,1 +1,0 @@
-//! Small glTF files, written by the tests.

@@ -1,0 +1,7 @@
+//! glTF and OBJ files, small and written here, through `import::load` as `rayloom render` calls it.
+
+mod broken;
+mod files;
+mod gltf;
+mod obj;
+mod shading;
