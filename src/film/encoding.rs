@@ -1,6 +1,11 @@
-//! Working-space values → file values.
+//! Working-space values → file values. Source: tests/measured/film.txt, every value of POV-Ray's own files.
 
+use super::Film;
+use super::dither::Dither;
+use crate::math::Vec3;
+use crate::math::color::grey;
 use crate::scene::settings::WorkingGamma;
+use rayon::prelude::*;
 
 /// How a file's values relate to light (`File_Gamma`).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,17 +21,33 @@ pub enum FileGamma {
 pub struct Encoding {
     /// What the film's values are.
     pub working: WorkingGamma,
-    /// What the file's values are to be.
+    /// What the file's values are to be. Formats of linear light (EXR, HDR) and scenes without a working gamma pass it over.
     pub file_gamma: FileGamma,
     /// Write an alpha channel where the format has one.
     pub alpha: bool,
-    /// Spread rounding errors to neighbouring pixels.
+    /// Spread rounding errors, after Floyd and Steinberg.
     pub dither: bool,
 }
 
 impl Default for Encoding {
     fn default() -> Self {
         Self { working: WorkingGamma::Linear, file_gamma: FileGamma::Srgb, alpha: false, dither: false }
+    }
+}
+
+/// Channels of a file of whole numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Channels {
+    /// One grey channel in place of three.
+    pub grey: bool,
+    /// Alpha follows the colours, which are then not multiplied by it.
+    pub alpha: bool,
+}
+
+impl Channels {
+    /// Values in a pixel.
+    pub fn count(self) -> usize {
+        (if self.grey { 1 } else { 3 }) + usize::from(self.alpha)
     }
 }
 
@@ -41,24 +62,69 @@ pub fn linear_from_srgb(v: f64) -> f64 {
 }
 
 impl Encoding {
-    /// The light of a working-space value.
-    pub fn linear(&self, v: f64) -> f64 {
+    /// The light of a working-space value. Colours without a working gamma are taken for sRGB, as the files say that hold them.
+    pub fn linear(&self, v: f32) -> f32 {
         match self.working {
-            WorkingGamma::Linear | WorkingGamma::None => v,
-            WorkingGamma::Power(g) => v.max(0.0).powf(g),
-            WorkingGamma::Srgb => linear_from_srgb(v),
+            WorkingGamma::Linear => v,
+            WorkingGamma::Power(g) => f64::from(v).max(0.0).powf(g) as f32,
+            WorkingGamma::Srgb | WorkingGamma::None => linear_from_srgb(f64::from(v)) as f32,
         }
     }
 
     /// The file's value for a working-space value, not clipped.
-    pub fn encode(&self, v: f64) -> f64 {
-        if self.working == WorkingGamma::None {
-            return v;
+    pub fn encode(&self, v: f32) -> f32 {
+        match (self.working, self.file_gamma) {
+            (WorkingGamma::None, _) | (WorkingGamma::Srgb, FileGamma::Srgb) => v,
+            (WorkingGamma::Power(a), FileGamma::Power(b)) if a == b => v,
+            (_, FileGamma::Srgb) => srgb_from_linear(f64::from(self.linear(v))) as f32,
+            (_, FileGamma::Power(g)) if g == 1.0 => self.linear(v),
+            (_, FileGamma::Power(g)) => f64::from(self.linear(v)).max(0.0).powf(1.0 / g) as f32,
         }
-        let light = self.linear(v).max(0.0);
-        match self.file_gamma {
-            FileGamma::Srgb => srgb_from_linear(light),
-            FileGamma::Power(g) => light.powf(1.0 / g),
+    }
+
+    /// What the file says that its values are.
+    pub(super) fn written_gamma(&self) -> FileGamma {
+        if self.working == WorkingGamma::None { FileGamma::Srgb } else { self.file_gamma }
+    }
+
+    /// The file's values of a pixel, 0..=1, as many as `channels` asks for.
+    ///
+    /// With alpha the colours are divided by it. A pixel brighter than its alpha allows (a highlight on glass) is made more opaque:
+    /// alpha is at least the grey of the colour.
+    fn pixel(&self, pixel: [f32; 4], channels: Channels) -> [f32; 4] {
+        let mut rgb = Vec3::new(pixel[0], pixel[1], pixel[2]);
+        let mut alpha = (1.0 - pixel[3]).clamp(0.0, 1.0);
+        if channels.alpha {
+            alpha = alpha.max(grey(rgb)).min(1.0);
+            rgb = if alpha > 0.0 { rgb / alpha } else { Vec3::ZERO };
         }
+        // NaN becomes 0, as in a cast.
+        let value = |v: f32| self.encode(v).max(0.0).min(1.0);
+        if channels.grey { [value(grey(rgb)), alpha, 0.0, 0.0] } else { [value(rgb.x), value(rgb.y), value(rgb.z), alpha] }
+    }
+
+    /// The film as whole numbers 0..=`max`, `[height][width][channels]`.
+    pub(super) fn quantize(&self, film: &Film, channels: Channels, max: u16) -> Vec<u16> {
+        let (n, width) = (channels.count(), film.width as usize);
+        let mut out = vec![0; film.pixels.len() * n];
+        let scale = f32::from(max);
+        if self.dither {
+            let mut dither = Dither::new(width, n);
+            for (row, out) in film.pixels.chunks(width).zip(out.chunks_mut(width * n)) {
+                for (x, (pixel, out)) in row.iter().zip(out.chunks_mut(n)).enumerate() {
+                    dither.quantize(x, &self.pixel(*pixel, channels)[..n], scale, out);
+                }
+                dither.next_row();
+            }
+            return out;
+        }
+        out.par_chunks_mut(width * n).zip(film.pixels.par_chunks(width)).for_each(|(out, row)| {
+            for (out, pixel) in out.chunks_mut(n).zip(row) {
+                for (out, v) in out.iter_mut().zip(self.pixel(*pixel, channels)) {
+                    *out = (v * scale + 0.5) as u16;
+                }
+            }
+        });
+        out
     }
 }

@@ -1,13 +1,17 @@
 //! Pixels on their way out: gamma, files of every format, the state of an unfinished picture. Knows nothing of scenes or rays.
 
+mod dither;
 mod encoding;
 mod error;
+mod exr_file;
 mod format;
+mod hdr_file;
 mod png_file;
+mod simple_files;
 pub mod state;
 mod write;
 
-pub use encoding::{Encoding, FileGamma};
+pub use encoding::{Encoding, FileGamma, linear_from_srgb, srgb_from_linear};
 pub use error::FilmError;
 pub use format::FileFormat;
 pub use write::{Metadata, check_writable, encode_picture, write_picture};

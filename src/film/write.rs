@@ -1,6 +1,6 @@
 //! A film into its file: beside it first, then renamed, so that the old file survives whatever goes wrong.
 
-use super::{Encoding, FileFormat, Film, FilmError, png_file};
+use super::{Encoding, FileFormat, Film, FilmError, exr_file, hdr_file, png_file, simple_files};
 use std::io::Write;
 use std::path::Path;
 
@@ -15,11 +15,33 @@ pub struct Metadata {
     pub entries: Vec<(String, String)>,
 }
 
+impl Metadata {
+    /// Keyword and text for formats whose keywords are words of Latin-1 of at most 79 characters.
+    pub(super) fn texts(&self) -> impl Iterator<Item = (String, String)> {
+        let entries = self.entries.iter().map(|(k, v)| (k.chars().filter(|c| c.is_ascii_graphic() || *c == ' ').take(79).collect(), v));
+        [("Software".to_owned(), &self.software), ("Source".to_owned(), &self.scene)]
+            .into_iter()
+            .chain(entries)
+            .filter(|(k, v): &(String, &String)| !k.trim().is_empty() && !v.is_empty())
+            .map(|(k, v)| (k.trim().to_owned(), v.replace('\0', " ")))
+            .collect::<Vec<_>>()
+            .into_iter()
+    }
+}
+
 /// The bytes of a picture file.
 pub fn encode_picture(film: &Film, format: &FileFormat, encoding: &Encoding, metadata: &Metadata) -> Result<Vec<u8>, FilmError> {
+    if film.width == 0 || film.height == 0 {
+        return Err(FilmError::Unfit { format: format.name(), reason: "it has no pixels".into() });
+    }
     match *format {
         FileFormat::Png { bits, grayscale } => png_file::encode(film, bits, grayscale, encoding, metadata),
-        _ => Err(FilmError::Unfit { format: format.name(), reason: "no writer yet".into() }),
+        FileFormat::Exr => exr_file::encode(film, encoding, metadata),
+        FileFormat::Targa { rle } => simple_files::targa(film, rle, encoding, metadata),
+        FileFormat::Ppm { bits, grayscale } => Ok(simple_files::ppm(film, bits, grayscale, encoding, metadata)),
+        FileFormat::Bmp => simple_files::bmp(film, encoding),
+        FileFormat::Jpeg { quality } => simple_files::jpeg(film, quality, encoding),
+        FileFormat::Hdr => Ok(hdr_file::encode(film, encoding, metadata)),
     }
 }
 
@@ -35,6 +57,9 @@ pub(super) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), FilmError> {
     if path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir()) {
         return std::fs::write(path, bytes).map_err(failed);
     }
+    // A link stays one: what it points to is replaced.
+    let target = path.canonicalize();
+    let path = target.as_deref().unwrap_or(path);
     let mut file = beside(path).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
     file.as_file().sync_all().map_err(failed)?;

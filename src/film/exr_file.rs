@@ -1,0 +1,125 @@
+//! OpenEXR: 32-bit floats of linear light, premultiplied, with the samples of each pixel in a channel of their own, so that
+//! parts can be merged. The data window is the part that was rendered, the display window the picture.
+
+use super::{Encoding, Film, FilmError, Metadata};
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Compression, FlatSamples, Image, IntegerBounds, Layer, LayerAttributes, Text, Vec2, WritableImage,
+    read_first_flat_layer_from_file,
+};
+use std::path::Path;
+
+/// Name of the channel that counts samples.
+const SAMPLES: &str = "samples";
+/// Before the names of our attributes, so that none is taken for one of the standard's.
+const PREFIX: &str = "rayloom:";
+
+/// A picture read back from one of our files.
+pub(super) struct Part {
+    /// The whole picture in linear light; pixels outside the data window have no samples.
+    pub film: Film,
+    /// The file has alpha.
+    pub alpha: bool,
+    /// What the file says about itself.
+    pub metadata: Metadata,
+}
+
+/// Columns and rows that were rendered: `[x0, y0, x1, y1]`, ends exclusive; everything when nothing was.
+fn window(film: &Film) -> [usize; 4] {
+    let (w, h) = (film.width as usize, film.height as usize);
+    let rendered = |row: &[u32]| row.iter().any(|n| *n > 0);
+    let Some(y0) = film.samples.chunks(w).position(rendered) else { return [0, 0, w, h] };
+    let y1 = h - film.samples.chunks(w).rev().position(rendered).unwrap_or(0);
+    let column = |x: &usize| (y0..y1).any(|y| film.samples[y * w + x] > 0);
+    let (x0, x1) = ((0..w).find(column).unwrap_or(0), (0..w).rev().find(column).map_or(w, |x| x + 1));
+    [x0, y0, x1, y1]
+}
+
+/// The bytes of an EXR file.
+pub(super) fn encode(film: &Film, encoding: &Encoding, metadata: &Metadata) -> Result<Vec<u8>, FilmError> {
+    let [x0, y0, x1, y1] = window(film);
+    let indices = || (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * film.width as usize + x));
+    let plane = |value: &dyn Fn(&[f32; 4]) -> f32| FlatSamples::F32(indices().map(|i| value(&film.pixels[i])).collect());
+    let mut channels = vec![
+        AnyChannel::new("R", plane(&|p| encoding.linear(p[0]))),
+        AnyChannel::new("G", plane(&|p| encoding.linear(p[1]))),
+        AnyChannel::new("B", plane(&|p| encoding.linear(p[2]))),
+        AnyChannel::new(SAMPLES, FlatSamples::U32(indices().map(|i| film.samples[i]).collect())),
+    ];
+    if encoding.alpha {
+        channels.push(AnyChannel::new("A", plane(&|p| (1.0 - p[3]).clamp(0.0, 1.0))));
+    }
+    let mut layer = Layer::new(
+        (x1 - x0, y1 - y0),
+        LayerAttributes { layer_position: Vec2(x0 as i32, y0 as i32), ..LayerAttributes::default() },
+        exr::image::Encoding { compression: Compression::ZIP16, ..exr::image::Encoding::default() },
+        AnyChannels::sort(channels.into()),
+    );
+    layer.attributes.software_name = Some(text(&metadata.software));
+    layer.attributes.other.insert(text(&format!("{PREFIX}scene")), AttributeValue::Text(text(&metadata.scene)));
+    for (name, value) in &metadata.entries {
+        layer.attributes.other.insert(text(&format!("{PREFIX}{name}")), AttributeValue::Text(text(value)));
+    }
+    let mut picture = Image::from_layer(layer);
+    picture.attributes.display_window = IntegerBounds::from_dimensions((film.width as usize, film.height as usize));
+    let mut out = std::io::Cursor::new(Vec::new());
+    picture.write().to_buffered(&mut out).map_err(|e| FilmError::Unfit { format: "OpenEXR", reason: e.to_string() })?;
+    Ok(out.into_inner())
+}
+
+/// Attributes are bytes; what is not Latin-1 becomes `?`.
+fn text(s: &str) -> Text {
+    Text::new_or_none(s).unwrap_or_else(|| {
+        let plain: String = s.chars().map(|c| if u32::from(c) < 256 { c } else { '?' }).collect();
+        Text::new_or_panic(plain)
+    })
+}
+
+/// Reads a file that [`encode`] wrote, or any EXR with R, G and B, whose pixels then count one sample each.
+pub(super) fn read(path: &Path, max_pixels: u64) -> Result<Part, FilmError> {
+    let foreign = |reason: String| FilmError::Foreign { path: path.to_owned(), reason };
+    let file = std::fs::File::open(path).map_err(|e| FilmError::io("read", path, e))?;
+    let header = exr::meta::MetaData::read_from_buffered(std::io::BufReader::new(file), false).map_err(|e| foreign(e.to_string()))?;
+    let display = header.headers.first().ok_or_else(|| foreign("the file has no picture".into()))?.shared_attributes.display_window;
+    let (width, height) = (display.size.0, display.size.1);
+    let data: u64 = header.headers.iter().map(|h| h.layer_size.area() as u64).sum();
+    if (width as u64 * height as u64).max(data) > max_pixels {
+        return Err(foreign(format!("{width} by {height} pixels are more than the limit of {max_pixels}")));
+    }
+    let picture = read_first_flat_layer_from_file(path).map_err(|e| foreign(e.to_string()))?;
+    let layer = picture.layer_data;
+    let channel = |name: &str| layer.channel_data.list.iter().find(|c| c.name.eq_case_insensitive(name)).map(|c| &c.sample_data);
+    let (Some(r), Some(g), Some(b)) = (channel("R"), channel("G"), channel("B")) else {
+        return Err(foreign("the file has no channels R, G and B".into()));
+    };
+    let (a, n) = (channel("A"), channel(SAMPLES));
+    let mut film = Film::new(width as u32, height as u32);
+    let offset = layer.attributes.layer_position - display.position;
+    for y in 0..layer.size.1 {
+        for x in 0..layer.size.0 {
+            let (px, py) = (offset.0 as i64 + x as i64, offset.1 as i64 + y as i64);
+            if px < 0 || py < 0 || px >= width as i64 || py >= height as i64 {
+                continue;
+            }
+            let (from, to) = (y * layer.size.0 + x, film.index(px as u32, py as u32));
+            let value = |s: &FlatSamples| s.value_by_flat_index(from).to_f32();
+            film.pixels[to] = [value(r), value(g), value(b), a.map_or(0.0, |a| 1.0 - value(a))];
+            film.samples[to] = n.map_or(1, |n| n.value_by_flat_index(from).to_u32());
+        }
+    }
+    let mut metadata = Metadata { software: layer.attributes.software_name.map_or_else(String::new, |t| t.to_string()), ..Metadata::default() };
+    let mut entries: Vec<(String, String)> = layer
+        .attributes
+        .other
+        .iter()
+        .filter_map(|(name, value)| match value {
+            AttributeValue::Text(t) => Some((name.to_string().strip_prefix(PREFIX)?.to_owned(), t.to_string())),
+            _ => None,
+        })
+        .collect();
+    entries.sort();
+    if let Some(i) = entries.iter().position(|(name, _)| name == "scene") {
+        metadata.scene = entries.remove(i).1;
+    }
+    metadata.entries = entries;
+    Ok(Part { alpha: a.is_some(), film, metadata })
+}
