@@ -3,8 +3,8 @@
 
 use super::{Encoding, Film, FilmError, Metadata};
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Compression, FlatSamples, Image, IntegerBounds, Layer, LayerAttributes, Text, Vec2, WritableImage,
-    read_first_flat_layer_from_file,
+    AnyChannel, AnyChannels, AttributeValue, Compression, FlatSamples, Image, IntegerBounds, Layer, LayerAttributes, Text, Vec2,
+    WritableImage, read_first_flat_layer_from_file,
 };
 use std::path::Path;
 
@@ -106,7 +106,8 @@ pub(super) fn read(path: &Path, max_pixels: u64) -> Result<Part, FilmError> {
             film.samples[to] = n.map_or(1, |n| n.value_by_flat_index(from).to_u32());
         }
     }
-    let mut metadata = Metadata { software: layer.attributes.software_name.map_or_else(String::new, |t| t.to_string()), ..Metadata::default() };
+    let mut metadata =
+        Metadata { software: layer.attributes.software_name.map_or_else(String::new, |t| t.to_string()), ..Metadata::default() };
     let mut entries: Vec<(String, String)> = layer
         .attributes
         .other
