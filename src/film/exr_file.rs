@@ -13,8 +13,9 @@ const SAMPLES: &str = "samples";
 /// Before the names of our attributes, so that none is taken for one of the standard's.
 const PREFIX: &str = "rayloom:";
 
-/// A picture read back from one of our files.
-pub(super) struct Part {
+/// A picture read from an EXR file.
+#[derive(Clone, Debug)]
+pub struct Part {
     /// The whole picture in linear light; pixels outside the data window have no samples.
     pub film: Film,
     /// The file has alpha.
@@ -74,8 +75,11 @@ fn text(s: &str) -> Text {
     })
 }
 
-/// Reads a file that [`encode`] wrote, or any EXR with R, G and B, whose pixels then count one sample each.
-pub(super) fn read(path: &Path, max_pixels: u64) -> Result<Part, FilmError> {
+/// Reads an EXR file: ours, or any with R, G and B (or Y), whose pixels then count one sample each.
+///
+/// # Errors
+/// Unreadable files, files of more than `max_pixels` (found before any pixel is read), files without colours.
+pub fn read_exr(path: &Path, max_pixels: u64) -> Result<Part, FilmError> {
     let foreign = |reason: String| FilmError::Foreign { path: path.to_owned(), reason };
     let file = std::fs::File::open(path).map_err(|e| FilmError::io("read", path, e))?;
     let header = exr::meta::MetaData::read_from_buffered(std::io::BufReader::new(file), false).map_err(|e| foreign(e.to_string()))?;
@@ -88,7 +92,8 @@ pub(super) fn read(path: &Path, max_pixels: u64) -> Result<Part, FilmError> {
     let picture = read_first_flat_layer_from_file(path).map_err(|e| foreign(e.to_string()))?;
     let layer = picture.layer_data;
     let channel = |name: &str| layer.channel_data.list.iter().find(|c| c.name.eq_case_insensitive(name)).map(|c| &c.sample_data);
-    let (Some(r), Some(g), Some(b)) = (channel("R"), channel("G"), channel("B")) else {
+    let grey = channel("Y");
+    let (Some(r), Some(g), Some(b)) = (channel("R").or(grey), channel("G").or(grey), channel("B").or(grey)) else {
         return Err(foreign("the file has no channels R, G and B".into()));
     };
     let (a, n) = (channel("A"), channel(SAMPLES));

@@ -6,6 +6,7 @@ mod error;
 mod exr_file;
 mod format;
 mod hdr_file;
+mod merge;
 mod png_file;
 mod simple_files;
 pub mod state;
@@ -13,7 +14,9 @@ mod write;
 
 pub use encoding::{Encoding, FileGamma, linear_from_srgb, srgb_from_linear};
 pub use error::FilmError;
+pub use exr_file::{Part, read_exr};
 pub use format::FileFormat;
+pub use merge::merge;
 pub use write::{Metadata, check_writable, encode_picture, write_picture};
 
 /// A picture being made: linear working-space colour and transparency, `[height][width]`, row-major, top row first.

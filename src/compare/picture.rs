@@ -1,0 +1,157 @@
+//! Picture files → pixels that can be compared.
+
+use crate::film::{FilmError, linear_from_srgb, read_exr, srgb_from_linear};
+use image::{DynamicImage, ImageDecoder, ImageReader};
+use rayon::prelude::*;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Largest number of pixels that is read unless more is asked for: 16 bytes each.
+pub const DEFAULT_MAX_PIXELS: u64 = 100_000_000;
+
+/// Why a picture cannot be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// Not there, or not allowed.
+    #[error("cannot read {}: {source}", path.display())]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// No picture, a damaged one, or a format that is not read.
+    #[error("cannot read {} as a picture: {reason}", path.display())]
+    Decode {
+        /// Which file.
+        path: PathBuf,
+        /// What the decoder says.
+        reason: String,
+    },
+    /// More pixels than the limit, found before any is read.
+    #[error("{}: {width} by {height} pixels are more than the limit of {limit} (--max-pixels)", path.display())]
+    TooLarge {
+        /// Which file.
+        path: PathBuf,
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Pixels.
+        limit: u64,
+    },
+    /// An EXR file that cannot be read.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+}
+
+/// A decoded picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue, alpha, `[height][width]`, row-major, top row first. Colours are multiplied by alpha: what is seen over black.
+    pub pixels: Vec<[f32; 4]>,
+    /// The file has alpha; without it every alpha is 1.
+    pub has_alpha: bool,
+    /// Values are linear light and may exceed 1 (EXR, HDR); else they are sRGB in 0..=1.
+    pub linear: bool,
+    /// "8-bit sRGB", "32-bit float".
+    pub depth: String,
+}
+
+impl Picture {
+    /// Reads a picture file of any format that the program reads; the content decides, the extension only where there is no other sign.
+    pub fn read(path: &Path, max_pixels: u64) -> Result<Self, PictureError> {
+        let io = |source| PictureError::Io { path: path.to_owned(), source };
+        let mut magic = [0; 4];
+        let n = std::fs::File::open(path).and_then(|f| f.take(4).read(&mut magic)).map_err(io)?;
+        if magic[..n] == [0x76, 0x2f, 0x31, 0x01] { Self::read_exr(path, max_pixels) } else { Self::read_other(path, max_pixels) }
+    }
+
+    fn read_exr(path: &Path, max_pixels: u64) -> Result<Self, PictureError> {
+        let part = read_exr(path, max_pixels)?;
+        let pixels = part.film.pixels.par_iter().map(|p| [p[0], p[1], p[2], 1.0 - p[3]]).collect();
+        Ok(Self {
+            width: part.film.width,
+            height: part.film.height,
+            pixels,
+            has_alpha: part.alpha,
+            linear: true,
+            depth: "OpenEXR, linear light".into(),
+        })
+    }
+
+    fn read_other(path: &Path, max_pixels: u64) -> Result<Self, PictureError> {
+        let io = |source| PictureError::Io { path: path.to_owned(), source };
+        let bad = |e: image::ImageError| PictureError::Decode { path: path.to_owned(), reason: e.to_string() };
+        let mut reader = ImageReader::open(path).map_err(io)?.with_guessed_format().map_err(io)?;
+        reader.no_limits();
+        let decoder = reader.into_decoder().map_err(bad)?;
+        let (width, height) = decoder.dimensions();
+        if u64::from(width) * u64::from(height) > max_pixels {
+            return Err(PictureError::TooLarge { path: path.to_owned(), width, height, limit: max_pixels });
+        }
+        let color = decoder.color_type();
+        let image = DynamicImage::from_decoder(decoder).map_err(bad)?;
+        let has_alpha = color.has_alpha();
+        let linear = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
+        let bits = color.bytes_per_pixel() as u32 * 8 / u32::from(color.channel_count());
+        let gamma = if linear { None } else { png_gamma(path) };
+        let depth = match (linear, gamma) {
+            (true, _) => format!("{bits}-bit float, linear light"),
+            (false, None) => format!("{bits}-bit sRGB"),
+            (false, Some(g)) => format!("{bits}-bit, gamma {:.3}", 1.0 / g),
+        };
+        let mut pixels: Vec<[f32; 4]> = image.into_rgba32f().pixels().map(|p| p.0).collect();
+        if let Some(g) = gamma {
+            pixels.par_iter_mut().for_each(|p| {
+                for v in &mut p[..3] {
+                    *v = srgb_from_linear(f64::from(*v).powf(1.0 / g)) as f32;
+                }
+            });
+        }
+        if has_alpha {
+            pixels.par_iter_mut().filter(|p| p[3] != 1.0).for_each(|p| *p = over_black(*p, linear));
+        }
+        Ok(Self { width, height, pixels, has_alpha, linear, depth })
+    }
+
+    /// The picture as it is shown: sRGB in 0..=1. Numbers that are none stay what they are.
+    #[must_use]
+    pub fn into_display(mut self) -> Self {
+        if self.linear {
+            self.linear = false;
+            self.pixels.par_iter_mut().for_each(|p| {
+                for v in &mut p[..3] {
+                    if v.is_finite() {
+                        *v = srgb_from_linear(f64::from(v.clamp(0.0, 1.0))) as f32;
+                    }
+                }
+            });
+        }
+        self
+    }
+}
+
+/// A pixel of straight alpha with its colour multiplied by alpha, in light.
+fn over_black([r, g, b, a]: [f32; 4], linear: bool) -> [f32; 4] {
+    let times_alpha = |v: f32| {
+        if linear { v * a } else { srgb_from_linear(linear_from_srgb(f64::from(v)) * f64::from(a)) as f32 }
+    };
+    [times_alpha(r), times_alpha(g), times_alpha(b), a]
+}
+
+/// The exponent of light in a PNG whose values are not sRGB: its gAMA, unless the file says sRGB or means it.
+fn png_gamma(path: &Path) -> Option<f64> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).ok()?);
+    let reader = png::Decoder::new(file).read_info().ok()?;
+    let info = reader.info();
+    if info.srgb.is_some() {
+        return None;
+    }
+    let gamma = f64::from(info.gama_chunk?.into_value());
+    (gamma > 0.0 && (gamma - 1.0 / 2.2).abs() > 1e-3).then_some(gamma)
+}
