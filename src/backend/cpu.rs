@@ -208,7 +208,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "until the texture room compiles its tables"]
     fn lambert_plane_has_ambient_and_the_cosine_of_the_light() {
         let film = render(&lit_plane(), &settings(1));
         for (x, y) in [(20u32, 18u32), (3, 30), (39, 0)] {
@@ -222,7 +221,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "until the texture room compiles its tables"]
     fn shadow_of_a_sphere_leaves_the_ambient_light() {
         let mut scene = lit_plane();
         let mut ball = Object::new(Shape::Sphere { center: DVec3::ZERO, radius: 0.2 });
@@ -234,7 +232,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "until the texture room compiles its tables"]
     fn pictures_do_not_depend_on_threads_or_crops() {
         let one = render(&lit_plane(), &settings(1));
         assert_eq!(one.pixels, render(&lit_plane(), &settings(2)).pixels);

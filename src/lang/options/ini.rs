@@ -53,17 +53,14 @@ impl PovOptions {
             self.ignored.push((lower, "an option of earlier versions"));
             return Ok(());
         }
+        if lower == "library_path" || lower == "declare" {
+            return list(value).iter().try_for_each(|part| self.word(&format!("{lower}={part}"), place, world, depth));
+        }
         // Quoted values end at their quote; plain ones before what looks like the next setting.
         let value = match value.chars().next() {
             Some(q @ ('"' | '\'')) => value[1..].split_once(q).map_or(value, |(v, _)| v),
             _ => plain_value(value),
         };
-        if lower == "library_path" || lower == "declare" {
-            for part in list(value) {
-                self.word(&format!("{lower}={part}"), place, world, depth)?;
-            }
-            return Ok(());
-        }
         self.word(&format!("{lower}={value}"), place, world, depth)
     }
 }

@@ -9,6 +9,8 @@ mod ini;
 mod output;
 mod set;
 mod table;
+#[cfg(test)]
+mod tests;
 
 pub use frames::{Frame, frames};
 pub use output::OutputName;
