@@ -55,8 +55,16 @@ impl Backend for CpuBackend {
             .stack_size(STACK_BYTES)
             .build()
             .map_err(|e| BackendError::Unsupported(format!("threads could not be started: {e}")))?;
-        let job = Job { scene, plan: &plan, settings, progress, cancel, done: AtomicU64::new(0), film: Mutex::new(film) };
-        let all = blocks(settings.crop, settings.block_size);
+        let mut all = blocks(settings.crop, settings.block_size);
+        if ordered {
+            // Streams of random numbers cannot be picked up in the middle.
+            all.iter().for_each(|b| clear(film, *b));
+        } else {
+            all.retain(|b| !is_finished(film, *b, settings));
+        }
+        let area = |b: &Block| u64::from(b[2] - b[0]) * u64::from(b[3] - b[1]);
+        let done = AtomicU64::new(area(&settings.crop) - all.iter().map(area).sum::<u64>());
+        let job = Job { settings, progress, cancel, done, film: Mutex::new(film) };
         pool.install(|| {
             if ordered {
                 let mut tracer = Tracer::new(scene, &plan);
@@ -77,9 +85,21 @@ impl Backend for CpuBackend {
     }
 }
 
+/// Whether a block holds all samples that are wanted of it.
+fn is_finished(film: &Film, [x0, y0, x1, y1]: Block, settings: &RenderSettings) -> bool {
+    let wanted = settings.samples.len().max(1) as u32;
+    (y0..y1).all(|y| (x0..x1).all(|x| film.samples[film.index(x, y)] >= wanted))
+}
+
+fn clear(film: &mut Film, [x0, y0, x1, y1]: Block) {
+    for y in y0..y1 {
+        let row = film.index(x0, y)..film.index(x1 - 1, y) + 1;
+        film.samples[row.clone()].fill(0);
+        film.pixels[row].fill([0.0; 4]);
+    }
+}
+
 struct Job<'j> {
-    scene: &'j CompiledScene,
-    plan: &'j ScenePlan,
     settings: &'j RenderSettings,
     progress: &'j dyn Progress,
     cancel: &'j AtomicBool,
@@ -130,7 +150,6 @@ impl Job<'_> {
             let c = tracer.pixel(f64::from(x) + dx, f64::from(y) + dy);
             (0..4).for_each(|k| sum[k] += c[k]);
         }
-        let _ = (self.scene, self.plan);
         sum.map(|v| v / n)
     }
 }

@@ -51,7 +51,8 @@ pub fn why_no_device() -> &'static str {
 pub trait Backend {
     /// "CPU, 2 threads", "NVIDIA H100 (Vulkan)".
     fn name(&self) -> String;
-    /// Renders into `film` until finished or `cancel` is set; pixels outside the crop are left alone.
+    /// Renders into `film` until finished or `cancel` is set; pixels outside the crop are left alone, and so are whole blocks that
+    /// hold all their samples already. What cannot be continued is rendered anew.
     /// After an error or a cancel the film holds what was rendered, and `film.samples` says where.
     fn render(
         &self,

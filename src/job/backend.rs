@@ -32,7 +32,8 @@ pub(super) fn render(
 ) -> Result<(), BackendError> {
     let mut on = |machine: &dyn Backend, film: &mut Film| {
         *device = machine.name();
-        listener.stage(&Stage::Rendering { device: machine.name(), resumed_pixels: 0 });
+        let resumed_pixels = film.samples.iter().filter(|n| **n > 0).count() as u64;
+        listener.stage(&Stage::Rendering { device: machine.name(), resumed_pixels });
         machine.render(scene, &job.render, film, &Pixels(listener), cancel)
     };
     if job.backend != BackendChoice::Cpu {

@@ -5,6 +5,7 @@
 mod backend;
 mod load;
 mod pov;
+mod resume;
 mod write;
 
 pub use backend::BackendChoice;
@@ -15,7 +16,7 @@ pub use write::Target;
 use crate::backend::{BackendError, Progress};
 use crate::compile::{CompileError, CompileOptions, CompiledScene};
 use crate::diag::{Diagnostic, Sink, SourceMap};
-use crate::film::{Film, FilmError};
+use crate::film::FilmError;
 use crate::import::ImportError;
 use crate::integrate::RenderSettings;
 use crate::lang::Stream;
@@ -174,14 +175,20 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     listener.compiled(&compiled);
     lap(&mut outcome.seconds[1]);
 
-    let mut film = Film::new(job.render.width, job.render.height);
+    let fingerprint = resume::fingerprint(job, &map);
+    let mut film = resume::film(job, &fingerprint, &mut sink)?;
     let result = backend::render(job, &compiled, &mut film, &mut outcome.device, &mut sink, listener, cancel);
     tell(&mut sink, &map, listener);
     lap(&mut outcome.seconds[2]);
     let stopped = cancel.load(Ordering::Relaxed);
     if stopped || result.is_err() {
         let saved = match &job.target {
-            Some(target) if film.samples.iter().any(|n| *n > 0) => target.save_unfinished(job, &compiled, &film)?,
+            Some(target) if film.samples.iter().any(|n| *n > 0) => {
+                if let Some(path) = resume::state_path(job) {
+                    crate::film::state::save(&path, &film, &fingerprint)?;
+                }
+                target.save_unfinished(job, &compiled, &film)?
+            }
             _ => None,
         };
         return Err(match result {
@@ -192,6 +199,10 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     if let Some(target) = &job.target {
         listener.stage(&Stage::Writing);
         outcome.written = target.write(job, &compiled, &film, &outcome)?;
+        if let Some(path) = resume::state_path(job) {
+            // None there is the usual case.
+            let _ = std::fs::remove_file(path);
+        }
     }
     lap(&mut outcome.seconds[3]);
     Ok(outcome)

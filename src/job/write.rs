@@ -89,7 +89,8 @@ fn metadata(job: &Job, scene: &CompiledScene, film: &Film, outcome: Option<&Outc
         entries
             .push(("antialiasing", format!("method {}, threshold {}, depth {}, jitter {}", aa.method, aa.threshold, aa.depth, aa.jitter)));
     }
-    if let Some(o) = outcome {
+    // Equal pictures make equal files, except where the format is for keeping records.
+    if let (Some(o), Some(FileFormat::Exr)) = (outcome, job.target.as_ref().map(|t| &t.format)) {
         entries.push(("device", o.device.clone()));
         entries.push(("render seconds", format!("{:.3}", o.seconds[2])));
     }
