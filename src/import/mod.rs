@@ -13,7 +13,8 @@ mod picture;
 pub use error::ImportError;
 
 use crate::diag::Sink;
-use crate::scene::Scene;
+use crate::math::Vec3;
+use crate::scene::{Principled, Scene};
 use std::path::Path;
 
 /// What the reader must know besides the file.
@@ -69,6 +70,11 @@ pub fn load(path: &Path, options: &ImportOptions, sink: &mut Sink) -> Result<Sce
     scene.scene.settings.max_trace_level = MAX_TRACE_LEVEL;
     framing::complete(&mut scene, options, sink);
     Ok(scene.scene)
+}
+
+/// What covers surfaces without a material: Blender's plain grey.
+fn plain_material() -> Principled {
+    Principled { base_color: Vec3::splat(0.8), roughness: 0.5, ..Principled::default() }
 }
 
 /// A scene as a file gives it.

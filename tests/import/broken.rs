@@ -170,4 +170,5 @@ fn obj_errors_name_line_object_and_index() {
     says(&error("v 0 0"), &["3 numbers are needed"]);
     says(&error("v 0 0 zero"), &["'zero' is no number"]);
     says(&error("v 0 0 0\nf 1 1"), &["3 corners"]);
+    says(&error(&format!("v 0 0 0\nf {}", "1 ".repeat(20_000))), &["line 2", "more than 16384 corners"]);
 }

@@ -263,6 +263,7 @@ fn a_file_without_camera_and_light_gets_both_and_says_so() {
     let scene = scene.expect("loads");
     assert!(said.iter().any(|s| s.contains("no camera")) && said.iter().any(|s| s.contains("lit from")), "{said:?}");
     assert!(!scene.lights.is_empty() && scene.background.rgb.x > 0.0);
+    assert!(said.iter().any(|s| s.contains("plain grey")) && material(&scene, 0).base_color == Vec3::splat(0.8), "{said:?}");
 }
 
 #[test]

@@ -182,3 +182,16 @@ fn a_million_triangles_load_in_under_two_seconds() {
     assert!(faces >= 999_000 && mesh(&scene, 0).faces.len() >= faces - 1000);
     assert!(took.as_secs_f64() < 2.0, "{took:?}");
 }
+
+#[test]
+fn the_largest_polygons_are_cut_in_bounded_time() {
+    // A comb of 4,000 teeth: every second corner is concave.
+    let n = 8000;
+    let mut text: String = (0..n).map(|k| format!("v {} {} 0\n", k, if k % 2 == 0 { 1 } else { 1000 })).collect();
+    text += &format!("v {n} 0 0\nv 0 0 0\nf");
+    (1..=n + 2).for_each(|k| text += &format!(" {k}"));
+    let start = std::time::Instant::now();
+    let scene = Folder::new().with("x.obj", text).scene("x.obj");
+    assert_eq!(mesh(&scene, 0).faces.len(), n);
+    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+}

@@ -1,7 +1,7 @@
 //! Materials and their pictures. Source: glTF 2.0, section 3.9, and the KHR extensions named beside the fields.
 
 use super::super::files::{self, Target};
-use super::super::{ImportError, picture};
+use super::super::{ImportError, picture, plain_material};
 use super::Document;
 use crate::diag::Sink;
 use crate::math::Vec3;
@@ -28,9 +28,13 @@ pub(super) struct Cover {
 /// All materials of a file; the last is the one of primitives that name none.
 pub(super) fn covers(doc: &Document, sink: &mut Sink) -> Result<Vec<Cover>, ImportError> {
     let images = images(doc, sink)?;
-    let default = json::Material::default();
-    let records = doc.root.materials.iter().chain(std::iter::once(&default));
-    records.enumerate().map(|(ix, record)| Reader { doc, images: &images, ix, uv_set: None, sink: &mut *sink }.cover(record)).collect()
+    let records = doc.root.materials.iter().enumerate();
+    let read = records.map(|(ix, record)| Reader { doc, images: &images, ix, uv_set: None, sink: &mut *sink }.cover(record));
+    let mut covers = read.collect::<Result<Vec<_>, _>>()?;
+    // glTF's own default is a rough white metal; without a material Blender and its users see plain grey.
+    let plain = Texture::Principled(Box::new(plain_material()));
+    covers.push(Cover { texture: Arc::new(plain), interior: None, uv_set: 0 });
+    Ok(covers)
 }
 
 /// The decoded pictures that textures name; those that cannot be had are `None`, with a note.

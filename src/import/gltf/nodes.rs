@@ -16,6 +16,8 @@ use std::sync::Arc;
 
 /// Deepest nesting of nodes. Rigs reach some tens; Blender's own limit of parents is lower.
 const MAX_DEPTH: usize = 1000;
+/// Most placed primitives: few nodes and few meshes of many primitives multiply.
+const MAX_INSTANCES: usize = 1 << 24;
 
 /// A primitive ready to be placed: its triangles, shared by all nodes that show it.
 struct Part {
@@ -130,7 +132,11 @@ impl Builder<'_> {
             self.sink.note_once("gltf: flat nodes", None, message);
             return Ok(());
         };
-        for part in &*self.parts(mesh_ix, node.weights.as_deref())? {
+        let parts = self.parts(mesh_ix, node.weights.as_deref())?;
+        if self.scene.objects.len() + parts.len() > MAX_INSTANCES {
+            return Err(ImportError::TooMany { path: self.doc.path.to_owned(), what: "placed primitives", limit: MAX_INSTANCES });
+        }
+        for part in &*parts {
             let cover = &self.covers[part.material];
             self.scene.objects.push(Object {
                 transform,
@@ -161,6 +167,9 @@ impl Builder<'_> {
             let material = primitive.material.map_or(n_materials, |m| m.value());
             if material > n_materials || (material == n_materials && primitive.material.is_some()) {
                 return Err(doc.invalid(place(), format!("it names material {material}, but the file has {n_materials}")));
+            }
+            if primitive.material.is_none() {
+                self.sink.note_once("gltf: no material", None, "surfaces without a material are plain grey");
             }
             let uv_set = self.covers[material].uv_set;
             if let Some(mesh) = triangles(doc, primitive, &place, uv_set, weights, &mut self.budget, self.sink)? {

@@ -9,6 +9,9 @@ use std::path::Path;
 /// "No normal", "no coordinates" at a corner.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// Most corners of one face: cutting a polygon may take time with their square.
+const MAX_CORNERS: usize = 1 << 14;
+
 /// Most kinds of unknown statements that are told one by one.
 const MAX_UNKNOWN: usize = 12;
 
@@ -234,6 +237,9 @@ impl Parser<'_> {
         }
         if self.out.corners.len() - start < 3 {
             return Err(self.invalid("a face needs 3 corners"));
+        }
+        if self.out.corners.len() - start > MAX_CORNERS {
+            return Err(self.invalid(format!("a face of more than {MAX_CORNERS} corners")));
         }
         if self.out.corners.len() >= NONE as usize {
             return Err(ImportError::TooMany { path: self.path.to_owned(), what: "corners of faces", limit: NONE as usize });

@@ -1,6 +1,6 @@
 //! Records of material libraries → materials. The numbers are read as Blender writes them (colours linear, `Ks` 0.5 is a common surface).
 
-use super::super::{files, picture};
+use super::super::{files, picture, plain_material};
 use super::mtl::{MapRecord, MtlRecord};
 use crate::diag::Sink;
 use crate::math::Vec3;
@@ -58,7 +58,7 @@ impl Materials {
             // Many writers give 0 or 1 where they mean nothing.
             ior: m.ior.filter(|n| *n > 1.0).unwrap_or(1.5),
             emission: Vec3::from_array(m.emission.unwrap_or([0.0; 3])).max(Vec3::ZERO),
-            ..Principled::default()
+            ..plain_material()
         };
         p.roughness = p.roughness.clamp(0.0, 1.0);
         let alpha = m.alpha.unwrap_or(1.0).clamp(0.0, 1.0);

@@ -94,7 +94,7 @@ fn statement(path: &Path, m: &mut MtlRecord, key: &str, rest: &str, sink: &mut S
         "ka" | "map_ka" => {}
         "map_kd" => m.map_diffuse = map(path, rest),
         "map_ke" => m.map_emission = map(path, rest),
-        "map_d" | "map_tr" => m.map_alpha = map(path, rest),
+        "map_d" => m.map_alpha = map(path, rest),
         "map_pr" => m.map_roughness = map(path, rest),
         "map_pm" => m.map_metallic = map(path, rest),
         "norm" | "map_bump" | "bump" | "map_norm" | "map_kn" => m.map_bump = map(path, rest),

@@ -9,7 +9,7 @@ use crate::math::{DVec3, Rgb, Vec3};
 use std::f64::consts::PI;
 
 /// Points of all emitters together, and of one; each costs a shadow ray a hit. Picked by feel.
-const MAX_POINTS: usize = 96;
+const MAX_POINTS: usize = 64;
 const MAX_POINTS_EACH: usize = 16;
 
 /// A piece of a shining surface.
