@@ -54,10 +54,18 @@ impl BoxF {
     /// Grows to hold `other` too.
     #[inline]
     pub fn grow(&mut self, other: &BoxF) {
+        // Not f32::min: no side is NaN, and this is one instruction.
         for k in 0..3 {
-            self.lo[k] = self.lo[k].min(other.lo[k]);
-            self.hi[k] = self.hi[k].max(other.hi[k]);
+            self.lo[k] = if other.lo[k] < self.lo[k] { other.lo[k] } else { self.lo[k] };
+            self.hi[k] = if other.hi[k] > self.hi[k] { other.hi[k] } else { self.hi[k] };
         }
+    }
+
+    /// The smallest box around both.
+    #[inline]
+    pub fn merged(mut self, other: BoxF) -> Self {
+        self.grow(&other);
+        self
     }
 
     /// What both hold; `None` when that is nothing.

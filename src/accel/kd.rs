@@ -1,7 +1,8 @@
 //! The kd-tree: 8-byte nodes and how a ray walks them. The build stands in `accel/kd_build.rs`.
 
-use super::{AccelStats, BoxF, RAY_SLACK, is_usable};
-use crate::math::{DVec3, Ray};
+use super::slabs::SlabRay;
+use super::{AccelStats, BoxF, can_meet};
+use crate::math::Ray;
 
 /// A node, as the GPU reads it. The child below the plane is the next node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
@@ -73,41 +74,6 @@ struct Entry {
     t_exit: f64,
 }
 
-/// A ray made ready: the slack is moved into its origin, once for the near side of each plane and once for the far side.
-struct KdRay {
-    inv: [f64; 3],
-    /// A plane at `s` is reached at `(s - enter) * inv` at the earliest ...
-    enter: [f64; 3],
-    /// ... and left behind at `(s - exit) * inv` at the latest.
-    exit: [f64; 3],
-}
-
-impl KdRay {
-    fn new(ray: &Ray, max_abs: f64) -> Self {
-        let slack = (RAY_SLACK * (ray.origin.abs().max_element() + max_abs)).max(1e-300);
-        let d: [f64; 3] = ray.dir.into();
-        let o: [f64; 3] = ray.origin.into();
-        // A component of zero (or nearly) gets a huge slope of its sign: every plane is then far ahead or far behind, never NaN.
-        let inv = d.map(|d| if d.abs() < 1e-280 { 1e280_f64.copysign(d) } else { 1.0 / d });
-        Self {
-            inv,
-            enter: std::array::from_fn(|k| if inv[k] > 0.0 { o[k] + slack } else { o[k] - slack }),
-            exit: std::array::from_fn(|k| if inv[k] > 0.0 { o[k] - slack } else { o[k] + slack }),
-        }
-    }
-
-    /// Part of `t_min..=t_max` in the box.
-    fn clip(&self, b: &BoxF, t_min: f64, t_max: f64) -> (f64, f64) {
-        let (mut t0, mut t1) = (t_min, t_max);
-        for k in 0..3 {
-            let (near, far) = if self.inv[k] > 0.0 { (b.lo[k], b.hi[k]) } else { (b.hi[k], b.lo[k]) };
-            t0 = t0.max((f64::from(near) - self.enter[k]) * self.inv[k]);
-            t1 = t1.min((f64::from(far) - self.exit[k]) * self.inv[k]);
-        }
-        (t0, t1)
-    }
-}
-
 impl KdTree {
     /// See [`super::Accel::closest`].
     #[inline]
@@ -132,7 +98,7 @@ impl KdTree {
     /// Visits leaves along the ray in order; `visit(refs, t_max)` gives the depth that still matters, or `None` to stop. Tells whether it stopped.
     #[inline]
     fn walk(&self, ray: &Ray, t_min: f64, t_max: f64, visit: impl FnMut(&[u32], f64) -> Option<f64>) -> bool {
-        if self.nodes.is_empty() || !is_usable(ray) {
+        if self.nodes.is_empty() || !can_meet(ray, t_min, t_max) {
             return false;
         }
         // A short stack is cheaper to clear; entries never outnumber the levels.
@@ -145,9 +111,9 @@ impl KdTree {
 
     #[inline]
     fn walk_with<const N: usize>(&self, ray: &Ray, t_min: f64, t_max: f64, mut visit: impl FnMut(&[u32], f64) -> Option<f64>) -> bool {
-        let kd_ray = KdRay::new(ray, self.bounds.max_abs());
+        let slab_ray = SlabRay::new(ray, self.bounds.max_abs());
         let mut best = t_max;
-        let (mut t_enter, mut t_exit) = kd_ray.clip(&self.bounds, t_min.max(0.0), t_max);
+        let (mut t_enter, mut t_exit) = slab_ray.clip(&self.bounds, t_min.max(0.0), t_max);
         if !(t_enter <= t_exit) {
             return false;
         }
@@ -158,9 +124,9 @@ impl KdTree {
             let mut node = self.nodes[node_ix as usize];
             while !node.is_leaf() {
                 let axis = node.axis();
-                let (s, inv) = (f64::from(node.split()), kd_ray.inv[axis]);
-                let t_reach = (s - kd_ray.enter[axis]) * inv;
-                let t_leave = (s - kd_ray.exit[axis]) * inv;
+                let (s, inv) = (f64::from(node.split()), slab_ray.inv[axis]);
+                let t_reach = (s - slab_ray.enter[axis]) * inv;
+                let t_leave = (s - slab_ray.exit[axis]) * inv;
                 let (below, above) = (node_ix + 1, node.above_or_count());
                 let (near, far) = if inv > 0.0 { (below, above) } else { (above, below) };
                 // The near cell holds what lies before `t_leave`, the far one what lies after `t_reach`; within the slack both do.
@@ -184,12 +150,17 @@ impl KdTree {
                     None => return true,
                 }
             }
-            // Entries lie in order of depth: the first one beyond the best hit ends the ray.
-            if n_stack == 0 || stack[n_stack - 1].t_enter > best {
-                return false;
+            // Within the slack both cells of a plane are visited, so entries are not quite in order of depth: look at each.
+            loop {
+                if n_stack == 0 {
+                    return false;
+                }
+                n_stack -= 1;
+                if stack[n_stack].t_enter <= best {
+                    Entry { node: node_ix, t_enter, t_exit } = stack[n_stack];
+                    break;
+                }
             }
-            n_stack -= 1;
-            Entry { node: node_ix, t_enter, t_exit } = stack[n_stack];
         }
     }
 
@@ -203,10 +174,5 @@ impl KdTree {
                     n.split().is_finite() && (n.above_or_count() as usize) > i && (n.above_or_count() as usize) < self.nodes.len()
                 }
             })
-    }
-
-    /// The middle of the tree's box.
-    pub fn center(&self) -> DVec3 {
-        self.bounds.to_bounds().center()
     }
 }

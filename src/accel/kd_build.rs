@@ -4,7 +4,7 @@
 //! finds the plane that a full sweep finds in all but contrived cases. Source: Wald, Havran 2006; Pharr, Jakob, Humphreys 2016, 4.4.
 
 use super::kd::MAX_DEPTH;
-use super::{AccelOptions, AccelStats, BoxF, KdNode, KdTree, PrimSet, seconds_since, usable_prims};
+use super::{AccelOptions, AccelStats, BoxF, KdNode, KdTree, PrimRef, PrimSet, box_of, seconds_since, usable_prims};
 use std::time::Instant;
 
 /// Bins of an axis in large nodes.
@@ -17,13 +17,6 @@ const PARALLEL_LIMIT: usize = 4096;
 const EMPTY_BONUS: f64 = 0.8;
 /// Steps that may make things worse in a row, in hope of better ones below.
 const MAX_BAD_SPLITS: u32 = 3;
-
-/// A primitive's part in a cell.
-#[derive(Clone, Copy)]
-struct Ref {
-    bounds: BoxF,
-    prim: u32,
-}
 
 /// A plane with its cost.
 #[derive(Clone, Copy)]
@@ -59,11 +52,8 @@ impl KdTree {
     /// Builds over all primitives with usable bounds.
     pub fn build(prims: &impl PrimSet, options: &AccelOptions) -> Self {
         let start = Instant::now();
-        let refs: Vec<Ref> = usable_prims(prims).into_iter().map(|(prim, bounds)| Ref { bounds, prim }).collect();
-        let mut bounds = BoxF::EMPTY;
-        for r in &refs {
-            bounds.grow(&r.bounds);
-        }
+        let refs = usable_prims(prims);
+        let bounds = box_of(&refs);
         let n = refs.len();
         let mut tree = Subtree::default();
         if n > 0 {
@@ -101,7 +91,7 @@ impl<P: PrimSet> Builder<'_, P> {
     }
 
     /// Appends the subtree of `refs` in `cell`; `spare` is how many references more than these it may hold.
-    fn node(&self, refs: Vec<Ref>, cell: BoxF, depth: usize, bad_splits: u32, spare: usize, out: &mut Subtree) {
+    fn node(&self, refs: Vec<PrimRef>, cell: BoxF, depth: usize, bad_splits: u32, spare: usize, out: &mut Subtree) {
         let n = refs.len();
         let leaf_cost = self.intersect_cost * n as f64;
         let area = self.area(&cell);
@@ -150,14 +140,14 @@ impl<P: PrimSet> Builder<'_, P> {
         }
     }
 
-    fn subtree(&self, refs: Vec<Ref>, cell: BoxF, depth: usize, bad_splits: u32, spare: usize) -> Subtree {
+    fn subtree(&self, refs: Vec<PrimRef>, cell: BoxF, depth: usize, bad_splits: u32, spare: usize) -> Subtree {
         let mut t = Subtree::default();
         self.node(refs, cell, depth, bad_splits, spare, &mut t);
         t
     }
 
     /// The references of both sides; those across the plane are clipped to each.
-    fn divide(&self, refs: &[Ref], cell: &BoxF, s: &Split) -> (Vec<Ref>, Vec<Ref>) {
+    fn divide(&self, refs: &[PrimRef], cell: &BoxF, s: &Split) -> (Vec<PrimRef>, Vec<PrimRef>) {
         let (mut below, mut above) = (Vec::with_capacity(refs.len() / 2 + 8), Vec::with_capacity(refs.len() / 2 + 8));
         let (mut cell_below, mut cell_above) = (*cell, *cell);
         cell_below.hi[s.axis] = s.at;
@@ -175,7 +165,7 @@ impl<P: PrimSet> Builder<'_, P> {
                 for (side, cell, bounds) in [(&mut below, &cell_below, &bounds_below), (&mut above, &cell_above, &bounds_above)] {
                     let clipped = BoxF::around(&self.prims.clipped_bounds(r.prim as usize, bounds));
                     if let Some(b) = clipped.and_then(|b| b.intersection(&r.bounds)).and_then(|b| b.intersection(cell)) {
-                        side.push(Ref { bounds: b, prim: r.prim });
+                        side.push(PrimRef { bounds: b, prim: r.prim });
                     }
                 }
             }
@@ -183,7 +173,7 @@ impl<P: PrimSet> Builder<'_, P> {
         (below, above)
     }
 
-    fn find_split(&self, refs: &[Ref], cell: &BoxF) -> Option<Split> {
+    fn find_split(&self, refs: &[PrimRef], cell: &BoxF) -> Option<Split> {
         let sweep = Sweep::new(self, cell, refs.len());
         let mut best = None;
         let (mut starts, mut ends) = (Vec::with_capacity(refs.len()), Vec::with_capacity(refs.len()));
@@ -310,7 +300,7 @@ struct Bins {
 }
 
 impl Bins {
-    fn count(refs: &[Ref], cell: &BoxF) -> Self {
+    fn count(refs: &[PrimRef], cell: &BoxF) -> Self {
         let scale = std::array::from_fn(|k| {
             let s = N_BINS as f32 / (cell.hi[k] - cell.lo[k]);
             if s.is_finite() { s } else { 0.0 }

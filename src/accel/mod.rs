@@ -10,11 +10,15 @@
 //! - Depth and memory are bounded whatever the geometry; the tree does not depend on the number of threads.
 
 mod boxf;
+mod bvh;
+mod bvh_build;
 mod kd;
 mod kd_build;
+mod slabs;
 mod triangles;
 
 pub use boxf::BoxF;
+pub use bvh::{BVH_LEAF, Bvh, BvhNode};
 pub use kd::{KdNode, KdTree};
 pub use triangles::TrianglePrims;
 
@@ -115,6 +119,8 @@ pub struct AccelStats {
 pub enum Accel {
     /// kd-tree.
     Kd(KdTree),
+    /// Bounding volume hierarchy.
+    Bvh(Bvh),
     /// Primitives `0..n`, one by one.
     Brute(u32),
 }
@@ -136,8 +142,9 @@ impl Accel {
         match kind {
             AccelKind::Brute => Self::Brute(n as u32),
             AccelKind::Auto if n <= BRUTE_LIMIT => Self::Brute(n as u32),
-            AccelKind::Auto | AccelKind::Bvh => Self::Kd(KdTree::build(prims, options)),
-            AccelKind::Kd => Self::Kd(KdTree::build(prims, options)),
+            AccelKind::Auto if n > AUTO_KD_LIMIT => Self::Bvh(Bvh::build(prims, options)),
+            AccelKind::Bvh => Self::Bvh(Bvh::build(prims, options)),
+            AccelKind::Auto | AccelKind::Kd => Self::Kd(KdTree::build(prims, options)),
         }
     }
 
@@ -145,6 +152,7 @@ impl Accel {
     pub fn kind(&self) -> AccelKind {
         match self {
             Self::Kd(_) => AccelKind::Kd,
+            Self::Bvh(_) => AccelKind::Bvh,
             Self::Brute(_) => AccelKind::Brute,
         }
     }
@@ -153,10 +161,30 @@ impl Accel {
     pub fn stats(&self) -> AccelStats {
         match self {
             Self::Kd(t) => t.stats,
+            Self::Bvh(t) => t.stats,
             Self::Brute(n) => {
                 let n = *n as usize;
                 AccelStats { n_prims: n, n_refs: n, n_leaves: 1, ..AccelStats::default() }
             }
+        }
+    }
+
+    /// Primitive in a slot. Slots number primitives in the order in which they lie in the tree; data kept in that order is near
+    /// in memory when it is near in space. A BVH has an order of its own; elsewhere slot and primitive are the same.
+    #[inline]
+    pub fn prim_at(&self, slot: u32) -> u32 {
+        match self {
+            Self::Bvh(t) => t.refs[slot as usize],
+            Self::Kd(_) | Self::Brute(_) => slot,
+        }
+    }
+
+    /// Primitives slot by slot; those without usable bounds may be missing.
+    pub fn slots(&self) -> Vec<u32> {
+        match self {
+            Self::Bvh(t) => t.refs.clone(),
+            Self::Kd(t) => (0..t.stats.n_prims as u32).collect(),
+            Self::Brute(n) => (0..*n).collect(),
         }
     }
 
@@ -167,9 +195,28 @@ impl Accel {
     #[inline]
     pub fn closest(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32, f64) -> Option<f64>) {
         match self {
+            Self::Bvh(t) => t.closest_slots(ray, t_min, t_max, |slot, best| hit(t.refs[slot as usize], best)),
+            _ => self.closest_slots(ray, t_min, t_max, hit),
+        }
+    }
+
+    /// Whether `hit` says yes to any primitive that `ray` may meet in `t_min..=t_max`; stops there.
+    #[inline]
+    pub fn any(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32) -> bool) -> bool {
+        match self {
+            Self::Bvh(t) => t.any_slot(ray, t_min, t_max, |slot| hit(t.refs[slot as usize])),
+            _ => self.any_slot(ray, t_min, t_max, hit),
+        }
+    }
+
+    /// As [`Accel::closest`], but offers slots.
+    #[inline]
+    pub fn closest_slots(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32, f64) -> Option<f64>) {
+        match self {
             Self::Kd(t) => t.closest(ray, t_min, t_max, hit),
+            Self::Bvh(t) => t.closest_slots(ray, t_min, t_max, hit),
             Self::Brute(n) => {
-                if !is_usable(ray) {
+                if !can_meet(ray, t_min, t_max) {
                     return;
                 }
                 let mut best = t_max;
@@ -182,32 +229,45 @@ impl Accel {
         }
     }
 
-    /// Whether `hit` says yes to any primitive that `ray` may meet in `t_min..=t_max`; stops there.
+    /// As [`Accel::any`], but offers slots.
     #[inline]
-    pub fn any(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32) -> bool) -> bool {
+    pub fn any_slot(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32) -> bool) -> bool {
         match self {
             Self::Kd(t) => t.any(ray, t_min, t_max, hit),
-            Self::Brute(n) => is_usable(ray) && (0..*n).any(&mut hit),
+            Self::Bvh(t) => t.any_slot(ray, t_min, t_max, hit),
+            Self::Brute(n) => can_meet(ray, t_min, t_max) && (0..*n).any(&mut hit),
         }
     }
 }
 
-/// All numbers are finite and there is a direction.
+/// Whether there is anything to look for: finite numbers, a direction, depths in the interval.
 #[inline]
-fn is_usable(ray: &Ray) -> bool {
-    ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != crate::math::DVec3::ZERO
+fn can_meet(ray: &Ray, t_min: f64, t_max: f64) -> bool {
+    ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != crate::math::DVec3::ZERO && t_min <= t_max && t_max >= 0.0
+}
+
+/// A primitive, or its part in a cell.
+#[derive(Clone, Copy)]
+struct PrimRef {
+    bounds: BoxF,
+    prim: u32,
 }
 
 /// The primitives that can be built over, their boxes rounded outward.
-fn usable_prims(prims: &impl PrimSet) -> Vec<(u32, BoxF)> {
+fn usable_prims(prims: &impl PrimSet) -> Vec<PrimRef> {
     use rayon::prelude::*;
-    let boxed = |i: usize| BoxF::around(&prims.bounds(i)).map(|b| (i as u32, b));
-    // Indexed chunks keep the order, so the tree does not depend on the threads.
+    let boxed = |i: usize| BoxF::around(&prims.bounds(i)).map(|bounds| PrimRef { bounds, prim: i as u32 });
+    // The order is kept, so the tree does not depend on the threads.
     if prims.len() < 4096 {
         (0..prims.len()).filter_map(boxed).collect()
     } else {
         (0..prims.len()).into_par_iter().filter_map(boxed).collect()
     }
+}
+
+/// The box of them all.
+fn box_of(refs: &[PrimRef]) -> BoxF {
+    refs.iter().fold(BoxF::EMPTY, |b, r| b.merged(r.bounds))
 }
 
 /// A clock for build statistics.

@@ -59,49 +59,33 @@ pub fn intersect_object(scene: &CompiledScene, object_ix: u32, ray: &Ray, t_min:
 /// `last` (a primitive or `u32::MAX`) is tried first.
 pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
     let g = &scene.geometry;
-    let mut nearest = Nearest::new(scene, ray, t_min.next_up(), t_max);
-    if (last as usize) < g.prims.len() && blocks(scene, last, ray, t_min, t_max) {
-        return ShadowHit::Opaque { prim_ix: last };
-    }
     // Opaque things end the ray wherever they are, so the nearest clear hit must not shorten it for them.
-    let mut opaque = u32::MAX;
-    let mut test = |prim_ix: u32| {
+    let mut clear = Nearest::new(scene, ray, t_min.next_up(), t_max);
+    let mut opaque = Nearest::new(scene, ray, t_min.next_up(), t_max);
+    opaque.stop_at_first = true;
+    let no_blocker = prim_flags::NO_SHADOW | prim_flags::TRANSPARENT | prim_flags::HIDDEN;
+    if g.prims.get(last as usize).is_some_and(|p| p.flags & no_blocker == 0) {
+        opaque.test(last);
+        if opaque.found() {
+            return ShadowHit::Opaque { prim_ix: last };
+        }
+    }
+    let slabs = Slabs::new(ray);
+    let mut test = |prim_ix: u32, bounded: bool| {
         let flags = g.prims[prim_ix as usize].flags;
         if flags & prim_flags::NO_SHADOW != 0 || prim_ix == last {
             return false;
         }
-        if flags & prim_flags::TRANSPARENT != 0 {
-            nearest.test(prim_ix);
-            return false;
+        let sink = if flags & prim_flags::TRANSPARENT != 0 { &mut clear } else { &mut opaque };
+        if !bounded || slabs.hits(&g.bounds[prim_ix as usize], sink.t) {
+            sink.test(prim_ix);
         }
-        let hit = blocks(scene, prim_ix, ray, t_min, t_max);
-        if hit {
-            opaque = prim_ix;
-        }
-        hit
+        opaque.found()
     };
-    let slabs = Slabs::new(ray);
-    let mut test_in_tree = |k: u32| {
-        let prim_ix = g.bounded[k as usize];
-        slabs.hits(&g.bounds[prim_ix as usize], t_max) && test(prim_ix)
-    };
-    if g.tree.any(ray, t_min, t_max, &mut test_in_tree) || g.unbounded.iter().any(|p| test(*p)) {
-        return ShadowHit::Opaque { prim_ix: opaque };
+    if g.tree.any(ray, t_min, t_max, |k| test(g.bounded[k as usize], true)) || g.unbounded.iter().any(|p| test(*p, false)) {
+        return ShadowHit::Opaque { prim_ix: opaque.prim_ix };
     }
-    nearest.finish().map_or(ShadowHit::None, ShadowHit::Transparent)
-}
-
-/// Whether opaque primitive `prim_ix` has a standing hit in the open interval.
-fn blocks(scene: &CompiledScene, prim_ix: u32, ray: &Ray, t_min: f64, t_max: f64) -> bool {
-    let g = &scene.geometry;
-    let prim = &g.prims[prim_ix as usize];
-    if prim.flags & (prim_flags::NO_SHADOW | prim_flags::TRANSPARENT | prim_flags::HIDDEN) != 0 {
-        return false;
-    }
-    let mut any = Nearest::new(scene, ray, t_min.next_up(), t_max);
-    any.stop_at_first = true;
-    any.test(prim_ix);
-    any.prim_ix != u32::MAX
+    clear.finish().map_or(ShadowHit::None, ShadowHit::Transparent)
 }
 
 /// Whether a ray meets, or starts in, the box and every bounding object of an object.
@@ -232,9 +216,15 @@ impl<'a> Nearest<'a> {
         intersect_shape(self.scene, prim, &local, self);
     }
 
+    /// Whether any hit stands so far.
+    #[inline]
+    fn found(&self) -> bool {
+        self.prim_ix != u32::MAX
+    }
+
     /// The best hit with its normal and coordinates.
     pub fn finish(&self) -> Option<SurfaceHit> {
-        (self.prim_ix != u32::MAX).then(|| surface_hit(self.scene, self.ray, self.t, self.prim_ix, &self.part))
+        self.found().then(|| surface_hit(self.scene, self.ray, self.t, self.prim_ix, &self.part))
     }
 }
 
@@ -252,7 +242,7 @@ impl HitSink for Nearest<'_> {
                 return;
             }
         }
-        if self.stop_at_first && self.prim_ix != u32::MAX {
+        if self.stop_at_first && self.found() {
             return;
         }
         if self.clip.len > 0 && !run_program(self.scene, self.clip, self.prim, self.ray.at(t)) {
@@ -265,7 +255,8 @@ impl HitSink for Nearest<'_> {
 
     #[inline]
     fn far(&self) -> f64 {
-        self.t / self.per_local
+        // Nothing is wanted any more: the shape may end its search.
+        if self.stop_at_first && self.found() { f64::NEG_INFINITY } else { self.t / self.per_local }
     }
 }
 

@@ -16,7 +16,7 @@ pub struct MeshShape {
     pub bounds: Bounds,
     /// Over the faces.
     pub tree: Accel,
-    /// Corners of every face side by side: one place in memory a test in place of four.
+    /// Corners of the face in each slot of the tree: one place in memory a test in place of four, and neighbours side by side.
     pub corners: Vec<[Vec3; 3]>,
 }
 
@@ -29,14 +29,19 @@ impl MeshShape {
         let used = mesh.faces.iter().flatten().map(|v| mesh.vertices[*v as usize].as_dvec3());
         let bounds = Bounds::from_points(used);
         let tree = Accel::build(accel, &TrianglePrims { vertices: &mesh.vertices, faces: &mesh.faces }, &AccelOptions::default());
-        let corners = mesh.faces.iter().map(|f| f.map(|v| mesh.vertices[v as usize])).collect();
+        let corners = tree.slots().iter().map(|face| mesh.faces[*face as usize].map(|v| mesh.vertices[v as usize])).collect();
         Some(Self { mesh, textures, bounds, tree, corners })
     }
 
     /// Corners of a face.
-    #[inline]
     pub fn corners(&self, face: u32) -> [DVec3; 3] {
-        self.corners[face as usize].map(|v| v.as_dvec3())
+        self.mesh.faces[face as usize].map(|v| self.mesh.vertices[v as usize].as_dvec3())
+    }
+
+    /// Corners of the face in a slot of the tree.
+    #[inline]
+    pub fn slot_corners(&self, slot: u32) -> &[Vec3; 3] {
+        &self.corners[slot as usize]
     }
 
     /// World box of the vertices.

@@ -3,17 +3,29 @@
 
 use super::{HitSink, LocalRay, Part};
 use crate::compile::shape::MeshShape;
-use crate::math::{DVec2, DVec3, MAX_DISTANCE, Ray};
+use crate::math::{DVec2, DVec3, MAX_DISTANCE, Ray, Vec3};
 use std::cell::RefCell;
 
 /// Hits nearer than this are not seen.
 const TOLERANCE: f64 = 1e-6;
 
-/// A ray made ready for triangle tests: turned so that it runs along +z.
+/// A ray made ready for triangle tests: sheared so that it runs along its longest axis, which comes last.
 pub struct ShearedRay {
-    origin: DVec3,
-    axes: [usize; 3],
-    shear: DVec3,
+    /// Axes in their new order.
+    origin: [f64; 3],
+    /// What is taken off x and y per z; 1 / direction along z.
+    shear: [f64; 3],
+    last_axis: usize,
+}
+
+/// A point's axes in their new order; one well-predicted branch a triangle, where indexed access would go through memory.
+#[inline]
+fn reordered<T: Copy>(v: [T; 3], last_axis: usize) -> [T; 3] {
+    match last_axis {
+        0 => [v[1], v[2], v[0]],
+        1 => [v[2], v[0], v[1]],
+        _ => v,
+    }
 }
 
 impl ShearedRay {
@@ -21,32 +33,32 @@ impl ShearedRay {
     #[inline]
     pub fn new(ray: &LocalRay) -> Self {
         let a = ray.dir.abs();
-        let kz = if a.x > a.y && a.x > a.z {
+        let last_axis = if a.x > a.y && a.x > a.z {
             0
         } else if a.y > a.z {
             1
         } else {
             2
         };
-        let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        if ray.dir[kz] < 0.0 {
-            std::mem::swap(&mut kx, &mut ky);
-        }
-        let inv = 1.0 / ray.dir[kz];
-        Self { origin: ray.origin, axes: [kx, ky, kz], shear: DVec3::new(ray.dir[kx] * inv, ray.dir[ky] * inv, inv) }
+        let d = reordered(ray.dir.to_array(), last_axis);
+        let inv = 1.0 / d[2];
+        Self { origin: reordered(ray.origin.to_array(), last_axis), shear: [d[0] * inv, d[1] * inv, inv], last_axis }
     }
 
     /// Depth and the weights of corners 2 and 3; edges belong to both neighbours, so no ray slips between.
+    ///
+    /// Each corner is moved and sheared by itself, so faces that share it see the same point, and the sign of an edge is that of the
+    /// exact numbers or 0. Edge on, weights and depth lose digits: the depth is then somewhere within the face's.
     #[inline]
-    pub fn hit(&self, corners: &[DVec3; 3]) -> Option<(f64, f64, f64)> {
-        let [kx, ky, kz] = self.axes;
+    pub fn hit(&self, corners: &[Vec3; 3]) -> Option<(f64, f64, f64)> {
         let q = corners.map(|v| {
-            let v = v - self.origin;
-            DVec3::new(v[kx] - self.shear.x * v[kz], v[ky] - self.shear.y * v[kz], v[kz])
+            let v = reordered(v.to_array(), self.last_axis);
+            let z = f64::from(v[2]) - self.origin[2];
+            [f64::from(v[0]) - self.origin[0] - self.shear[0] * z, f64::from(v[1]) - self.origin[1] - self.shear[1] * z, z]
         });
-        let w1 = q[2].x * q[1].y - q[2].y * q[1].x;
-        let w2 = q[0].x * q[2].y - q[0].y * q[2].x;
-        let w3 = q[1].x * q[0].y - q[1].y * q[0].x;
+        let w1 = q[2][0] * q[1][1] - q[2][1] * q[1][0];
+        let w2 = q[0][0] * q[2][1] - q[0][1] * q[2][0];
+        let w3 = q[1][0] * q[0][1] - q[1][1] * q[0][0];
         if (w1 < 0.0 || w2 < 0.0 || w3 < 0.0) && (w1 > 0.0 || w2 > 0.0 || w3 > 0.0) {
             return None;
         }
@@ -54,19 +66,27 @@ impl ShearedRay {
         if det == 0.0 {
             return None;
         }
-        let t = self.shear.z * (w1 * q[0].z + w2 * q[1].z + w3 * q[2].z) / det;
+        let t = self.shear[2] * (w1 * q[0][2] + w2 * q[1][2] + w3 * q[2][2]) / det;
         Some((t, w2 / det, w3 / det))
     }
 }
 
 /// All crossings of a mesh up to the depth that the sink still wants; one may come twice.
+#[inline]
 pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
     let sheared = ShearedRay::new(ray);
-    s.tree.closest(&Ray::new(ray.origin, ray.dir), 0.0, sink.far().min(MAX_DISTANCE), |face, far| {
-        let (t, a, b) = sheared.hit(&s.corners(face))?;
+    let mut last = (f64::INFINITY, u32::MAX);
+    s.tree.closest_slots(&Ray::new(ray.origin, ray.dir), 0.0, sink.far().min(MAX_DISTANCE), |slot, far| {
+        let (t, a, b) = sheared.hit(s.slot_corners(slot))?;
         if !(t > TOLERANCE && t <= far && t < MAX_DISTANCE) {
             return None;
         }
+        // On an edge the face that comes first in the mesh wins, whatever the order of the tree.
+        let face = s.tree.prim_at(slot);
+        if t == last.0 && face >= last.1 {
+            return None;
+        }
+        last = (t, face);
         sink.push(t, Part { face, a, b });
         let now = sink.far();
         (now < far).then_some(now)
@@ -74,7 +94,7 @@ pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
 }
 
 thread_local! {
-    /// Faces crossed by the ray of an inside test: trees may offer a face more than once.
+    /// Slots of faces crossed by the ray of an inside test: trees may offer one more than once.
     static CROSSED: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -88,9 +108,9 @@ pub fn inside_mesh(s: &MeshShape, p: DVec3) -> bool {
     let sheared = ShearedRay::new(&ray);
     CROSSED.with_borrow_mut(|crossed| {
         crossed.clear();
-        s.tree.closest(&Ray::new(p, dir), 0.0, MAX_DISTANCE, |face, _| {
-            if sheared.hit(&s.corners(face)).is_some_and(|(t, ..)| t > TOLERANCE) && !crossed.contains(&face) {
-                crossed.push(face);
+        s.tree.closest_slots(&Ray::new(p, dir), 0.0, MAX_DISTANCE, |slot, _| {
+            if sheared.hit(s.slot_corners(slot)).is_some_and(|(t, ..)| t > TOLERANCE) && !crossed.contains(&slot) {
+                crossed.push(slot);
             }
             None
         });

@@ -1,0 +1,303 @@
+//! Building the BVH: SAH over centroids in bins, top down, O(n log n), subtrees in parallel.
+//!
+//! Source: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies".
+
+use super::bvh::{BVH_LEAF, MAX_DEPTH};
+use super::{AccelOptions, AccelStats, BoxF, Bvh, BvhNode, PrimRef, PrimSet, box_of, seconds_since, usable_prims};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Bins of an axis in large nodes.
+const N_BINS: usize = 32;
+/// Nodes with more references build their halves in parallel.
+const PARALLEL_LIMIT: usize = 1 << 14;
+/// Nodes with more references are also binned in parallel, in pieces of this size.
+const CHUNK: usize = 1 << 16;
+
+/// A child: its node or first reference, and its count, as [`BvhNode`] has them.
+type Child = (u32, u32);
+
+/// A subtree; node indices are relative to its own array, reference indices are final.
+#[derive(Default)]
+struct Subtree {
+    nodes: Vec<BvhNode>,
+    n_leaves: usize,
+    depth: usize,
+    cost: f64,
+}
+
+struct Builder {
+    intersect_cost: f64,
+    max_leaf: usize,
+    /// Added to side lengths, so that flat and thin boxes have an area.
+    thin: f64,
+    /// 1 / area of the root.
+    per_root_area: f64,
+}
+
+impl Bvh {
+    /// Builds over all primitives with usable bounds.
+    pub fn build(prims: &impl PrimSet, options: &AccelOptions) -> Self {
+        let start = Instant::now();
+        let mut refs = usable_prims(prims);
+        let n = refs.len();
+        let bounds = box_of(&refs);
+        let mut tree = Subtree::default();
+        if n > 0 {
+            let thin = 1e-6 * (0..3).map(|k| f64::from(bounds.hi[k]) - f64::from(bounds.lo[k])).fold(1e-30, f64::max);
+            let mut b = Builder { intersect_cost: options.intersect_cost, max_leaf: options.max_leaf.max(1), thin, per_root_area: 1.0 };
+            b.per_root_area = 1.0 / b.area(&bounds);
+            let (child, count) = b.node(&mut refs, 0, &bounds, 0, &mut tree);
+            if tree.nodes.is_empty() {
+                // All in one leaf: its sibling is a point without primitives.
+                let point = BoxF { lo: bounds.lo, hi: bounds.lo };
+                tree.nodes.push(BvhNode::new([(bounds, child, count), (point, BVH_LEAF, 0)]));
+                tree.depth = 1;
+            }
+        }
+        let stats = AccelStats {
+            n_prims: prims.len(),
+            n_skipped: prims.len() - n,
+            n_nodes: tree.nodes.len(),
+            n_leaves: tree.n_leaves,
+            n_refs: n,
+            depth: tree.depth,
+            sah_cost: tree.cost,
+            build_seconds: seconds_since(start),
+            n_bytes: tree.nodes.len() * size_of::<BvhNode>() + n * 4,
+        };
+        Self { nodes: tree.nodes, refs: refs.iter().map(|r| r.prim).collect(), bounds, stats }
+    }
+}
+
+impl Builder {
+    #[inline]
+    fn area(&self, b: &BoxF) -> f64 {
+        let s: [f64; 3] = std::array::from_fn(|k| f64::from(b.hi[k]) - f64::from(b.lo[k]) + self.thin);
+        s[0] * s[1] + s[1] * s[2] + s[2] * s[0]
+    }
+
+    /// Appends the subtree of `refs`, whose first stands at `first` in the whole list and whose box is `bounds`.
+    fn node(&self, refs: &mut [PrimRef], first: usize, bounds: &BoxF, depth: usize, out: &mut Subtree) -> Child {
+        let n = refs.len();
+        let share = self.area(bounds) * self.per_root_area;
+        let Some(split) = self.divide(refs, bounds, depth) else {
+            out.n_leaves += 1;
+            out.depth = out.depth.max(depth);
+            out.cost += share * self.intersect_cost * n as f64;
+            return (BVH_LEAF | first as u32, n as u32);
+        };
+        out.cost += share;
+        let at = out.nodes.len();
+        out.nodes.push(BvhNode::default());
+        let (left, right) = refs.split_at_mut(split.n_left);
+        let (box_left, box_right) = (split.left, split.right);
+        let first_right = first + split.n_left;
+        let (a, b) = if n > PARALLEL_LIMIT {
+            let (a, b) =
+                rayon::join(|| self.subtree(left, first, &box_left, depth + 1), || self.subtree(right, first_right, &box_right, depth + 1));
+            (out.append(a), out.append(b))
+        } else {
+            (self.node(left, first, &box_left, depth + 1, out), self.node(right, first_right, &box_right, depth + 1, out))
+        };
+        out.nodes[at] = BvhNode::new([(box_left, a.0, a.1), (box_right, b.0, b.1)]);
+        (at as u32, 0)
+    }
+
+    fn subtree(&self, refs: &mut [PrimRef], first: usize, bounds: &BoxF, depth: usize) -> (Subtree, Child) {
+        let mut t = Subtree { nodes: Vec::with_capacity(refs.len() / 2), ..Subtree::default() };
+        let child = self.node(refs, first, bounds, depth, &mut t);
+        (t, child)
+    }
+
+    /// Puts the references of the two children in order; `None` makes a leaf.
+    fn divide(&self, refs: &mut [PrimRef], bounds: &BoxF, depth: usize) -> Option<Division> {
+        let n = refs.len();
+        if n == 1 {
+            return None;
+        }
+        let centers = centers_of(refs);
+        // From here on halves are needed to stay within the deepest level.
+        let must_halve = depth + (usize::BITS - (n - 1).leading_zeros()) as usize >= MAX_DEPTH;
+        if !must_halve && let Some(bins) = BinMap::new(&centers, n) {
+            let best = self.cheapest(&bins, refs, bounds);
+            if n <= self.max_leaf && best.cost >= self.intersect_cost * n as f64 {
+                return None;
+            }
+            let n_left = partition(refs, |r| bins.bin(best.axis, r) < best.bin);
+            if (1..n).contains(&n_left) {
+                return Some(Division { n_left, left: best.left, right: best.right });
+            }
+        }
+        if n <= self.max_leaf {
+            return None;
+        }
+        // All in one place, or too deep: halves along the longest side.
+        let axis = (0..3).max_by(|a, b| (centers.hi[*a] - centers.lo[*a]).total_cmp(&(centers.hi[*b] - centers.lo[*b]))).unwrap_or(0);
+        refs.select_nth_unstable_by(n / 2, |a, b| center(a, axis).total_cmp(&center(b, axis)).then(a.prim.cmp(&b.prim)));
+        Some(Division::new(refs, n / 2))
+    }
+
+    fn cheapest(&self, map: &BinMap, refs: &[PrimRef], bounds: &BoxF) -> Boundary {
+        let bins = if refs.len() > CHUNK {
+            refs.par_chunks(CHUNK).map(|c| Bins::count(map, c)).reduce(Bins::empty, Bins::merged)
+        } else {
+            Bins::count(map, refs)
+        };
+        let scale = self.intersect_cost / self.area(bounds);
+        let mut best = Boundary { cost: f64::INFINITY, axis: 0, bin: 0, left: BoxF::EMPTY, right: BoxF::EMPTY };
+        for axis in 0..3 {
+            let (boxes, counts) = (&bins.boxes[axis], &bins.counts[axis]);
+            let mut above = [(BoxF::EMPTY, f64::INFINITY); N_BINS];
+            let (mut right, mut n) = (BoxF::EMPTY, 0);
+            for i in (1..map.n_bins).rev() {
+                right.grow(&boxes[i]);
+                n += counts[i];
+                if n > 0 {
+                    above[i] = (right, self.area(&right) * f64::from(n));
+                }
+            }
+            let (mut left, mut n) = (BoxF::EMPTY, 0);
+            for i in 1..map.n_bins {
+                left.grow(&boxes[i - 1]);
+                n += counts[i - 1];
+                if n > 0 {
+                    let cost = 1.0 + scale * (self.area(&left) * f64::from(n) + above[i].1);
+                    if cost < best.cost {
+                        best = Boundary { cost, axis, bin: i, left, right: above[i].0 };
+                    }
+                }
+            }
+        }
+        best
+    }
+}
+
+/// Where a node's references part: those in lower bins go left.
+struct Boundary {
+    cost: f64,
+    axis: usize,
+    bin: usize,
+    left: BoxF,
+    right: BoxF,
+}
+
+/// A node's references in two parts.
+struct Division {
+    n_left: usize,
+    left: BoxF,
+    right: BoxF,
+}
+
+impl Division {
+    fn new(refs: &[PrimRef], n_left: usize) -> Self {
+        Self { n_left, left: box_of(&refs[..n_left]), right: box_of(&refs[n_left..]) }
+    }
+}
+
+/// Twice the centroid.
+#[inline]
+fn center(r: &PrimRef, axis: usize) -> f32 {
+    r.bounds.lo[axis] + r.bounds.hi[axis]
+}
+
+/// Box of the doubled centroids.
+fn centers_of(refs: &[PrimRef]) -> BoxF {
+    let of = |refs: &[PrimRef]| {
+        refs.iter().fold(BoxF::EMPTY, |mut b, r| {
+            let c = std::array::from_fn(|k| center(r, k));
+            b.grow(&BoxF { lo: c, hi: c });
+            b
+        })
+    };
+    if refs.len() > CHUNK { refs.par_chunks(CHUNK).map(of).reduce(|| BoxF::EMPTY, BoxF::merged) } else { of(refs) }
+}
+
+/// Moves what belongs to the left to the front, and counts it.
+fn partition(refs: &mut [PrimRef], is_left: impl Fn(&PrimRef) -> bool) -> usize {
+    let (mut i, mut j) = (0, refs.len());
+    loop {
+        while i < j && is_left(&refs[i]) {
+            i += 1;
+        }
+        while i < j && !is_left(&refs[j - 1]) {
+            j -= 1;
+        }
+        if i == j {
+            return i;
+        }
+        refs.swap(i, j - 1);
+    }
+}
+
+/// Which bin a centroid falls into.
+struct BinMap {
+    lo: [f32; 3],
+    scale: [f32; 3],
+    n_bins: usize,
+}
+
+impl BinMap {
+    /// `None` when all centroids are in one place.
+    fn new(centers: &BoxF, n: usize) -> Option<Self> {
+        let n_bins = (4 + 2 * n).min(N_BINS);
+        let scale: [f32; 3] = std::array::from_fn(|k| {
+            // Just below, so that the last centroid falls into the last bin.
+            let s = n_bins as f32 * 0.999_99 / (centers.hi[k] - centers.lo[k]);
+            if s.is_finite() { s } else { 0.0 }
+        });
+        scale.iter().any(|s| *s > 0.0).then_some(Self { lo: centers.lo, scale, n_bins })
+    }
+
+    #[inline]
+    fn bin(&self, axis: usize, r: &PrimRef) -> usize {
+        (((center(r, axis) - self.lo[axis]) * self.scale[axis]) as usize).min(N_BINS - 1)
+    }
+}
+
+/// Boxes and numbers of the references in each bin.
+struct Bins {
+    boxes: [[BoxF; N_BINS]; 3],
+    counts: [[u32; N_BINS]; 3],
+}
+
+impl Bins {
+    fn empty() -> Self {
+        Self { boxes: [[BoxF::EMPTY; N_BINS]; 3], counts: [[0; N_BINS]; 3] }
+    }
+
+    fn count(map: &BinMap, refs: &[PrimRef]) -> Self {
+        let mut b = Self::empty();
+        for r in refs {
+            for axis in 0..3 {
+                let i = map.bin(axis, r);
+                b.boxes[axis][i].grow(&r.bounds);
+                b.counts[axis][i] += 1;
+            }
+        }
+        b
+    }
+
+    fn merged(mut self, other: Self) -> Self {
+        for axis in 0..3 {
+            for i in 0..N_BINS {
+                self.boxes[axis][i].grow(&other.boxes[axis][i]);
+                self.counts[axis][i] += other.counts[axis][i];
+            }
+        }
+        self
+    }
+}
+
+impl Subtree {
+    /// Takes in another subtree; gives its root as seen from here.
+    fn append(&mut self, (other, root): (Subtree, Child)) -> Child {
+        let base = self.nodes.len() as u32;
+        let shift = |child: u32| if child & BVH_LEAF == 0 { child + base } else { child };
+        self.nodes.extend(other.nodes.iter().map(|n| BvhNode { child: n.child.map(shift), ..*n }));
+        self.n_leaves += other.n_leaves;
+        self.depth = self.depth.max(other.depth);
+        self.cost += other.cost;
+        (shift(root.0), root.1)
+    }
+}
