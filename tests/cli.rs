@@ -1,0 +1,211 @@
+//! The program as a user meets it: commands, names of pictures, streams, exit codes, interrupts. Bad input stands in `bad_input.rs`.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const SCENE: &str = "#version 3.7; global_settings { assumed_gamma 1 }\n\
+    #debug \"hello from the scene\\n\"\n\
+    camera { location -5*z }\nlight_source { <4, 6, -8> rgb 1 }\n\
+    sphere { 0, 1 pigment { rgb <1, 0.5, 0.2> } translate clock*x }\n";
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn with_scene() -> Self {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        std::fs::write(dir.path().join("s.pov"), SCENE).expect("written");
+        Self(dir)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, args: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rayloom"));
+        // No povray.ini of this machine may change what is tested.
+        command.args(args).current_dir(self.0.path()).env_clear().env("POVINI", "/nonexistent");
+        command.output().expect("the program starts")
+    }
+}
+
+fn code(o: &Output) -> i32 {
+    o.status.code().expect("no signal")
+}
+
+fn err(o: &Output) -> String {
+    String::from_utf8_lossy(&o.stderr).into_owned()
+}
+
+fn size(path: &Path) -> (u32, u32) {
+    image::image_dimensions(path).expect("a picture")
+}
+
+#[test]
+fn render_writes_the_picture_and_says_where_it_ran() {
+    let f = Folder::with_scene();
+    let o = f.run(&["render", "s.pov", "-o", "out.png", "--size", "40x30", "--backend", "cpu"]);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    assert_eq!(size(&f.path("out.png")), (40, 30));
+    assert!(err(&o).contains("hello from the scene") && err(&o).contains("CPU"), "{}", err(&o));
+    assert!(o.stdout.is_empty(), "standard output is for data");
+}
+
+#[test]
+fn json_progress_is_one_object_a_line_and_ends_with_the_statistics() {
+    let f = Folder::with_scene();
+    let o = f.run(&["render", "s.pov", "-o", "out.png", "--size", "40x30", "--backend", "cpu", "--progress", "json", "--stats", "stats.json"]);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    let lines: Vec<serde_json::Value> =
+        String::from_utf8_lossy(&o.stdout).lines().map(|l| serde_json::from_str(l).expect("JSON")).collect();
+    let events: Vec<&str> = lines.iter().filter_map(|l| l["event"].as_str()).collect();
+    assert_eq!((events.first(), events.last()), (Some(&"loading"), Some(&"finished")));
+    assert!(events.contains(&"progress") && events.contains(&"rendering"), "{events:?}");
+    let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(f.path("stats.json")).expect("a file")).expect("JSON");
+    assert_eq!((stats["width"].as_u64(), stats["primitives"].as_u64()), (Some(40), Some(1)));
+}
+
+#[test]
+fn povray_takes_its_options_and_keeps_standard_output_clean() {
+    let f = Folder::with_scene();
+    let o = f.run(&["povray", "+Is.pov", "+W20", "+H10", "-D", "-P", "-A", "+GDdebug.txt", "Backend=cpu"]);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    assert_eq!(size(&f.path("s.png")), (20, 10));
+    assert_eq!(std::fs::read_to_string(f.path("debug.txt")).expect("debug.txt"), "hello from the scene\n");
+    assert!(o.stdout.is_empty() && err(&o).contains("POV-Ray finished"), "{}", err(&o));
+}
+
+#[test]
+fn a_picture_goes_to_standard_output_when_asked() {
+    let f = Folder::with_scene();
+    let o = f.run(&["povray", "+Is.pov", "+O-", "+W20", "+H10", "Backend=cpu"]);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    assert_eq!(image::load_from_memory(&o.stdout).expect("a picture").width(), 20);
+    assert!(!f.path("s.png").exists());
+}
+
+#[test]
+fn parse_errors_have_povrays_line_and_exit_code_1() {
+    let f = Folder::with_scene();
+    std::fs::write(f.path("bad.pov"), "sphere { 0, 1 }\n\nbox { 0, 1 pigmet { rgb 1 } }\n").expect("written");
+    let o = f.run(&["povray", "+Ibad.pov"]);
+    assert_eq!(code(&o), 1);
+    let text = err(&o);
+    assert!(text.contains("File 'bad.pov' line 3: Parse Error: No matching } in 'box'"), "{text}");
+    assert!(text.contains("bad.pov:3:12") && text.contains("^^^^^^"), "{text}");
+    let o = f.run(&["render", "bad.pov", "-o", "bad.png"]);
+    assert_eq!(code(&o), 3);
+    assert!(!f.path("bad.png").exists());
+}
+
+#[test]
+fn animations_number_their_pictures_and_move_the_clock() {
+    let f = Folder::with_scene();
+    std::fs::write(f.path("a.ini"), "Input_File_Name=s.pov\nFinal_Frame=12\nSubset_Start_Frame=9\n+W16 +H12\nBackend=cpu\n").expect("written");
+    let o = f.run(&["povray", "a.ini", "+EF10"]);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    let pictures = ["s09.png", "s10.png"].map(|n| std::fs::read(f.path(n)).expect("a frame"));
+    assert!(!f.path("s11.png").exists() && pictures[0] != pictures[1]);
+    let o = f.run(&["render", "s.pov", "-o", "f.png", "--frames", "1..2", "--size", "16x12", "--backend", "cpu"]);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    assert!(f.path("f1.png").exists() && f.path("f2.png").exists());
+}
+
+#[test]
+fn a_crop_is_the_whole_pictures_pixels() {
+    let f = Folder::with_scene();
+    for (name, extra) in [("all.png", None), ("part.png", Some("+SC9 +EC0.8 +SR0.25 +ER20"))] {
+        let out = format!("+O{name}");
+        let mut args = vec!["povray", "+Is.pov", &out, "+W40", "+H30", "+A0.1", "-J", "Backend=cpu"];
+        args.extend(extra.iter().flat_map(|e| e.split(' ')));
+        assert_eq!(code(&f.run(&args)), 0);
+    }
+    let [all, part] = ["all.png", "part.png"].map(|n| image::open(f.path(n)).expect("a picture").to_rgb8());
+    assert_eq!(part.dimensions(), (40, 30));
+    for (x, y, p) in part.enumerate_pixels() {
+        let inside = (8..32).contains(&x) && (7..20).contains(&y);
+        // Border pixels of a part are antialiased against other neighbours than in the whole.
+        if !inside {
+            assert_eq!(p.0, [0; 3]);
+        } else if (10..30).contains(&x) && (9..18).contains(&y) {
+            assert_eq!(p, all.get_pixel(x, y));
+        }
+    }
+}
+
+#[test]
+fn the_picture_does_not_depend_on_the_threads() {
+    let f = Folder::with_scene();
+    for (name, threads) in [("one.png", "+WT1"), ("four.png", "+WT4")] {
+        let o = f.run(&["povray", "+Is.pov", &format!("+O{name}"), "+W64", "+H48", "+A0.05", threads, "Backend=cpu"]);
+        assert_eq!(code(&o), 0, "{}", err(&o));
+    }
+    assert_eq!(std::fs::read(f.path("one.png")).ok(), std::fs::read(f.path("four.png")).ok());
+}
+
+#[test]
+fn info_lists_what_a_scene_uses_and_what_was_left_out() {
+    let f = Folder::with_scene();
+    let o = f.run(&["info", "s.pov", "--json"]);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    let info: serde_json::Value = serde_json::from_slice(&o.stdout).expect("JSON");
+    assert_eq!(info["primitives"]["Sphere"].as_u64(), Some(1));
+    assert!(info["left_out"].as_array().is_some_and(|l| l.iter().any(|v| v == "fog")), "{info}");
+    assert_eq!(code(&f.run(&["info"])), 0);
+}
+
+#[test]
+fn scenes_write_to_their_own_folders_only() {
+    let f = Folder::with_scene();
+    let outside = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a folder");
+    let target = outside.path().join("x.txt").display().to_string();
+    let scene = format!("#fopen F \"{target}\" write\n#write(F, \"1\\n\")\n#fclose F\ncamera {{ location -z }}\n");
+    std::fs::write(f.path("w.pov"), scene).expect("written");
+    let o = f.run(&["povray", "+Iw.pov", "-F", "Backend=cpu"]);
+    assert_eq!(code(&o), 1);
+    assert!(err(&o).contains("outside the folders") && !Path::new(&target).exists(), "{}", err(&o));
+    let allow = format!("Allow_IO={}", outside.path().display());
+    assert_eq!(code(&f.run(&["povray", "+Iw.pov", "-F", &allow, "Backend=cpu"])), 0);
+    assert!(Path::new(&target).exists());
+}
+
+/// Slow enough to be interrupted, fast enough to be finished.
+#[cfg(unix)]
+const SLOW: &str = "#version 3.7; global_settings { assumed_gamma 1 }\ncamera { location -5*z }\n\
+    light_source { <4, 6, -8> rgb 1 area_light 3*x, 3*y, 24, 24 }\nplane { y, -1 pigment { rgb 0.8 } }\n\
+    union { #for (I, 0, 99) sphere { <mod(I, 10) - 5, div(I, 10)/5 - 1, mod(I, 7)/3>, 0.4 } #end pigment { bozo } }\n";
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_saves_what_is_rendered_and_resume_goes_on_from_it() {
+    use std::io::{BufRead, BufReader};
+    let f = Folder::with_scene();
+    std::fs::write(f.path("slow.pov"), SLOW).expect("written");
+    let args = ["render", "slow.pov", "-o", "p.png", "--size", "320x240", "--backend", "cpu", "--threads", "1", "--progress", "json"];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rayloom"))
+        .args(args)
+        .current_dir(f.0.path())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let mut lines = BufReader::new(child.stdout.take().expect("piped")).lines();
+    let rendered = lines.by_ref().map_while(Result::ok).filter(|l| l.contains("\"progress\"")).nth(2);
+    assert!(rendered.is_some(), "finished before it could be interrupted");
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(kill.success());
+    lines.for_each(drop);
+    assert_eq!(child.wait().expect("ends").code(), Some(130));
+    assert!(f.path("p.png").exists() && f.path("p.rayloom-state").exists(), "what was rendered is kept");
+    let mut resume = args.to_vec();
+    resume.push("--resume");
+    let o = f.run(&resume);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    let resumed = String::from_utf8_lossy(&o.stdout).lines().any(|l| l.contains("resumed_pixels") && !l.contains("\"resumed_pixels\":0"));
+    assert!(resumed, "{}", String::from_utf8_lossy(&o.stdout));
+    assert!(!f.path("p.rayloom-state").exists());
+    let mut whole = args.to_vec();
+    whole[3] = "whole.png";
+    assert_eq!(code(&f.run(&whole)), 0);
+    assert_eq!(std::fs::read(f.path("p.png")).ok(), std::fs::read(f.path("whole.png")).ok());
+}
