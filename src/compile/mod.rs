@@ -235,6 +235,16 @@ pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -
         flattener.add_visible(object)?;
     }
     let compiled = finish(flattener, scene, options)?;
+    // Each has its line in UNSUPPORTED.md.
+    let left_out = [
+        ("photons", compiled.features.photons, "photons are not traced: caustics that they would make are missing"),
+        ("subsurface", compiled.features.subsurface, "subsurface light is not traced: such finishes look like plain ones"),
+    ];
+    for (key, used, message) in left_out {
+        if used {
+            sink.note_once(key, None, message);
+        }
+    }
     for p in &compiled.textures.patterns {
         if let Some(name) = texture::unfinished(&p.code) {
             sink.note_once(name, None, format!("the pattern '{name}' is not done; it is 0 everywhere"));
