@@ -54,7 +54,8 @@ fn render_writes_the_picture_and_says_where_it_ran() {
 #[test]
 fn json_progress_is_one_object_a_line_and_ends_with_the_statistics() {
     let f = Folder::with_scene();
-    let o = f.run(&["render", "s.pov", "-o", "out.png", "--size", "40x30", "--backend", "cpu", "--progress", "json", "--stats", "stats.json"]);
+    let o =
+        f.run(&["render", "s.pov", "-o", "out.png", "--size", "40x30", "--backend", "cpu", "--progress", "json", "--stats", "stats.json"]);
     assert_eq!(code(&o), 0, "{}", err(&o));
     let lines: Vec<serde_json::Value> =
         String::from_utf8_lossy(&o.stdout).lines().map(|l| serde_json::from_str(l).expect("JSON")).collect();
@@ -101,7 +102,8 @@ fn parse_errors_have_povrays_line_and_exit_code_1() {
 #[test]
 fn animations_number_their_pictures_and_move_the_clock() {
     let f = Folder::with_scene();
-    std::fs::write(f.path("a.ini"), "Input_File_Name=s.pov\nFinal_Frame=12\nSubset_Start_Frame=9\n+W16 +H12\nBackend=cpu\n").expect("written");
+    std::fs::write(f.path("a.ini"), "Input_File_Name=s.pov\nFinal_Frame=12\nSubset_Start_Frame=9\n+W16 +H12\nBackend=cpu\n")
+        .expect("written");
     let o = f.run(&["povray", "a.ini", "+EF10"]);
     assert_eq!(code(&o), 0, "{}", err(&o));
     let pictures = ["s09.png", "s10.png"].map(|n| std::fs::read(f.path(n)).expect("a frame"));

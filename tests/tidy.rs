@@ -1,5 +1,5 @@
-//! Architecture invariants that the compiler does not check: ranks of rooms, file headers, leftovers, the agreement of
-//! UNSUPPORTED.md with what the program says.
+//! Architecture invariants that the compiler does not check: ranks of rooms, file headers, leftovers,
+//! references without scenes and scenes without references.
 
 use std::path::{Path, PathBuf};
 
