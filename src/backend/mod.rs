@@ -1,6 +1,8 @@
 //! The machines: each renders a compiled scene to a film.
 
 pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 
 use crate::compile::CompiledScene;
 use crate::film::Film;

@@ -1,0 +1,245 @@
+//! The device: adapters, buffers, pipelines, dispatches, reading back. Errors come back as values, never as panics.
+
+use crate::backend::BackendError;
+use std::borrow::Cow;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Invocations of a workgroup, in every shader. Also in the shaders' text, as `WORKGROUP`.
+pub const WORKGROUP: u32 = 64;
+
+/// A device with its queue.
+pub struct Gpu {
+    /// Makes things.
+    pub device: wgpu::Device,
+    /// Runs things.
+    pub queue: wgpu::Queue,
+    /// What it is.
+    pub info: wgpu::AdapterInfo,
+    /// Has f64 in shaders.
+    pub has_f64: bool,
+    cache: Option<wgpu::PipelineCache>,
+    /// The first fault that nobody asked for: lost, out of memory, a validation error.
+    fault: Arc<Mutex<Option<String>>>,
+}
+
+/// Which adapters will do.
+#[derive(Clone, Debug, Default)]
+pub struct GpuOptions {
+    /// Renderers in software (lavapipe) too: for tests; slower than the CPU back end.
+    pub accept_software: bool,
+    /// Part of the adapter's name, in any case; empty takes the first.
+    pub name_contains: String,
+}
+
+/// All adapters, hardware first.
+fn adapters() -> Vec<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    // Layers that check every call are for those who ask by the environment.
+    descriptor.flags = wgpu::InstanceFlags::empty().with_env();
+    let instance = wgpu::Instance::new(descriptor);
+    let mut list = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+    let rank = |a: &wgpu::Adapter| match a.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    list.sort_by_key(rank);
+    list
+}
+
+/// Names of all devices, hardware first: "NVIDIA H100 (Vulkan)".
+pub fn list_devices() -> Vec<String> {
+    adapters().iter().map(|a| device_name(&a.get_info())).collect()
+}
+
+fn device_name(info: &wgpu::AdapterInfo) -> String {
+    let software = if info.device_type == wgpu::DeviceType::Cpu { ", software" } else { "" };
+    format!("{} ({}{software})", info.name, info.backend)
+}
+
+impl Gpu {
+    /// Opens the first adapter that will do.
+    pub fn new(options: &GpuOptions) -> Result<Self, BackendError> {
+        let wanted = options.name_contains.to_lowercase();
+        let fits = |a: &wgpu::Adapter| {
+            let info = a.get_info();
+            (options.accept_software || info.device_type != wgpu::DeviceType::Cpu) && info.name.to_lowercase().contains(&wanted)
+        };
+        let all = adapters();
+        let Some(adapter) = all.iter().find(|a| fits(a)) else {
+            let seen: Vec<String> = all.iter().map(|a| device_name(&a.get_info())).collect();
+            return Err(BackendError::NoDevice(if seen.is_empty() {
+                "no graphics driver was found".into()
+            } else {
+                format!("none of the devices will do: {}", seen.join(", "))
+            }));
+        };
+        Self::open(adapter)
+    }
+
+    fn open(adapter: &wgpu::Adapter) -> Result<Self, BackendError> {
+        let optional = wgpu::Features::SHADER_F64 | wgpu::Features::PIPELINE_CACHE;
+        let features = adapter.features() & optional;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("rayloom"),
+            required_features: features,
+            required_limits: adapter.limits(),
+            memory_hints: wgpu::MemoryHints::Performance,
+            ..Default::default()
+        };
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| BackendError::NoDevice(e.to_string()))?;
+        let fault = Arc::new(Mutex::new(None));
+        let keep = |fault: &Arc<Mutex<Option<String>>>, text: String| {
+            fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
+        };
+        let (lost, uncaptured) = (fault.clone(), fault.clone());
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                keep(&lost, message);
+            }
+        });
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| keep(&uncaptured, e.to_string())));
+        let has_f64 = features.contains(wgpu::Features::SHADER_F64);
+        Ok(Self { device, queue, info: adapter.get_info(), has_f64, cache: None, fault })
+    }
+
+    /// "NVIDIA H100 (Vulkan)".
+    pub fn name(&self) -> String {
+        device_name(&self.info)
+    }
+
+    /// The first fault so far, as an error.
+    pub fn check(&self) -> Result<(), BackendError> {
+        match &*self.fault.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(text) => Err(BackendError::DeviceLost(text.clone())),
+            None => Ok(()),
+        }
+    }
+
+    /// Largest storage buffer that a shader may see, in bytes.
+    pub fn max_binding(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+
+    fn fits(&self, what: &str, needed: u64) -> Result<(), BackendError> {
+        let limit = self.max_binding();
+        if needed > limit { Err(BackendError::TooLarge { what: what.to_owned(), needed, limit }) } else { Ok(()) }
+    }
+
+    /// A storage buffer that holds `bytes` (at least 16).
+    pub fn storage_buffer(&self, what: &str, bytes: &[u8]) -> Result<wgpu::Buffer, BackendError> {
+        let buffer = self.empty_buffer(what, bytes.len() as u64)?;
+        if !bytes.is_empty() {
+            self.queue.write_buffer(&buffer, 0, bytes);
+        }
+        Ok(buffer)
+    }
+
+    /// A storage buffer of `size` bytes (at least 16) that can be copied from and to.
+    pub fn empty_buffer(&self, what: &str, size: u64) -> Result<wgpu::Buffer, BackendError> {
+        let size = size.max(16).next_multiple_of(16);
+        self.fits(what, size)?;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false });
+        match pollster::block_on(scope.pop()) {
+            Some(e) => Err(BackendError::DeviceLost(format!("{what}: {e}"))),
+            None => Ok(buffer),
+        }
+    }
+
+    /// Layout of one bind group.
+    pub fn group_layout(&self, label: &str, entries: &[wgpu::BindGroupLayoutEntry]) -> wgpu::BindGroupLayout {
+        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
+    }
+
+    /// Whole buffers at their bindings.
+    pub fn bind_group(&self, layout: &wgpu::BindGroupLayout, buffers: &[(u32, &wgpu::Buffer)]) -> wgpu::BindGroup {
+        let entries: Vec<wgpu::BindGroupEntry> =
+            buffers.iter().map(|(binding, b)| wgpu::BindGroupEntry { binding: *binding, resource: b.as_entire_binding() }).collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+    }
+
+    /// A pipeline from WGSL text.
+    pub fn compute_pipeline(
+        &self,
+        label: &str,
+        text: &str,
+        entry_point: &str,
+        groups: &[&wgpu::BindGroupLayout],
+    ) -> Result<wgpu::ComputePipeline, BackendError> {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let source = wgpu::ShaderSource::Wgsl(Cow::Borrowed(text));
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source });
+        let groups: Vec<Option<&wgpu::BindGroupLayout>> = groups.iter().map(|g| Some(*g)).collect();
+        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &groups,
+            immediate_size: 0,
+        });
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(label),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions { zero_initialize_workgroup_memory: false, ..Default::default() },
+            cache: self.cache.as_ref(),
+        });
+        match pollster::block_on(scope.pop()) {
+            Some(e) => Err(BackendError::Unsupported(format!("shader '{label}': {e}"))),
+            None => Ok(pipeline),
+        }
+    }
+
+    /// Runs a pipeline for at least `n` invocations.
+    pub fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, pipeline: &wgpu::ComputePipeline, groups: &[&wgpu::BindGroup], n: u32) {
+        let n_groups = n.div_ceil(WORKGROUP);
+        if n_groups == 0 {
+            return;
+        }
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(pipeline);
+        for (k, group) in groups.iter().enumerate() {
+            pass.set_bind_group(k as u32, *group, &[]);
+        }
+        pass.dispatch_workgroups(n_groups, 1, 1);
+    }
+
+    /// Submits what was recorded and reads `size` bytes of a buffer once it is done.
+    pub fn submit_and_read(
+        &self,
+        mut encoder: wgpu::CommandEncoder,
+        buffer: &wgpu::Buffer,
+        offset: u64,
+        size: u64,
+    ) -> Result<Vec<u8>, BackendError> {
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let copy = self.device.create_buffer(&wgpu::BufferDescriptor { label: Some("read back"), size, usage, mapped_at_creation: false });
+        encoder.copy_buffer_to_buffer(buffer, offset, &copy, 0, size);
+        self.queue.submit([encoder.finish()]);
+        copy.map_async(wgpu::MapMode::Read, .., |_| {});
+        let lost = |e: String| BackendError::DeviceLost(e);
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| lost(e.to_string()))?;
+        self.check()?;
+        let bytes = copy.get_mapped_range(..).map_err(|e| lost(e.to_string()))?.to_vec();
+        Ok(bytes)
+    }
+}
+
+/// A storage buffer at a binding.
+pub fn binding_layout(binding: u32, writable: bool) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: !writable },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}

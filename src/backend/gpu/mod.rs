@@ -1,0 +1,11 @@
+//! The GPU: the classic integrator as a wavefront of compute shaders in f32, through wgpu. The f64 CPU renderer is the gold that it follows.
+//!
+//! Shader text is put together for what the scene uses (`shader`); rays wait in queues (`wavefront`). What a scene uses beyond what
+//! the shaders know gives [`BackendError::Unsupported`](super::BackendError), and the caller renders on the CPU.
+
+pub mod device;
+mod modules;
+pub mod probe;
+pub mod shader;
+
+pub use device::{Gpu, GpuOptions, list_devices};

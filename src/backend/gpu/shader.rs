@@ -1,0 +1,106 @@
+//! Shader text for one scene: WESL modules from `shaders/`, embedded in the program, put together with the scene's features (`@if`)
+//! and with the constants that both languages share (`package::constants`). What no entry point needs is left out.
+
+use super::modules::MODULES;
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use wesl::{Feature, ManglerKind, VirtualResolver, Wesl};
+
+/// What decides the text of a shader besides its modules.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShaderOptions {
+    /// Names of `@if` that hold; all others do not.
+    pub features: BTreeSet<String>,
+    /// Lines of `package::constants`.
+    constants: String,
+}
+
+/// A number that a shader knows by name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ConstValue {
+    /// `i32`.
+    I32(i32),
+    /// `u32`.
+    U32(u32),
+    /// `f32`.
+    F32(f32),
+}
+
+impl From<i32> for ConstValue {
+    fn from(v: i32) -> Self {
+        Self::I32(v)
+    }
+}
+
+impl From<u32> for ConstValue {
+    fn from(v: u32) -> Self {
+        Self::U32(v)
+    }
+}
+
+impl From<f32> for ConstValue {
+    fn from(v: f32) -> Self {
+        Self::F32(v)
+    }
+}
+
+impl ShaderOptions {
+    /// Turns a feature on.
+    pub fn feature(&mut self, name: &str) {
+        self.features.insert(name.to_owned());
+    }
+
+    /// Turns a feature on if `holds`.
+    pub fn feature_if(&mut self, name: &str, holds: bool) {
+        if holds {
+            self.feature(name);
+        }
+    }
+
+    /// Gives a number a name: `constants::NAME` in shaders.
+    pub fn constant(&mut self, name: &str, value: impl Into<ConstValue>) {
+        let line = match value.into() {
+            ConstValue::I32(v) => writeln!(self.constants, "const {name}: i32 = {v};"),
+            ConstValue::U32(v) => writeln!(self.constants, "const {name}: u32 = {v}u;"),
+            // Debug prints the shortest text that reads back as the same number.
+            ConstValue::F32(v) => writeln!(self.constants, "const {name}: f32 = {v:?};"),
+        };
+        line.expect("writing to a string cannot fail");
+    }
+
+    /// Everything that `other` turns on or names, too.
+    pub fn extend(&mut self, other: &ShaderOptions) {
+        self.features.extend(other.features.iter().cloned());
+        self.constants.push_str(&other.constants);
+    }
+}
+
+/// A shader could not be put together: a fault of this program, told with the compiler's own words.
+#[derive(Debug, thiserror::Error)]
+#[error("shader '{module}': {message}")]
+pub struct ShaderError {
+    /// Which root module.
+    pub module: String,
+    /// What the compiler said.
+    pub message: String,
+}
+
+/// The WGSL text of the entry points of `module` (`trace_closest`, `probes/noise`).
+pub fn assemble(module: &str, options: &ShaderOptions) -> Result<String, ShaderError> {
+    let fail = |message: String| ShaderError { module: module.to_owned(), message };
+    let mut resolver = VirtualResolver::new();
+    let path = |name: &str| format!("package::{}", name.replace('/', "::")).parse();
+    for (name, text) in MODULES {
+        resolver.add_module(path(name).map_err(|_| fail(format!("bad module name '{name}'")))?, (*text).into());
+    }
+    resolver.add_module(path("constants").map_err(|_| fail("constants".into()))?, options.constants.as_str().into());
+    let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver);
+    compiler
+        .use_imports(true)
+        .use_condcomp(true)
+        .use_stripping(true)
+        .set_mangler(ManglerKind::None)
+        .set_features(options.features.iter().map(|f| (f, Feature::Enable)));
+    let root = path(module).map_err(|_| fail("bad module name".into()))?;
+    compiler.compile(&root).map(|r| r.to_string()).map_err(|e| fail(e.to_string()))
+}
