@@ -174,6 +174,11 @@ static PERLIN: LazyLock<Perlin> = LazyLock::new(|| {
     Perlin { gradients, permutation }
 });
 
+/// Gradients of generator 3, and the permutation that finds them (its first 2048 entries; it repeats).
+pub fn perlin_tables() -> (&'static [DVec3], &'static [usize]) {
+    (&PERLIN.gradients, &PERLIN.permutation)
+}
+
 fn perlin(p: DVec3) -> f64 {
     let table = &*PERLIN;
     let p = p + DVec3::splat(10_000_000.023_157_213);

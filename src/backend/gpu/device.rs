@@ -89,8 +89,7 @@ impl Gpu {
             memory_hints: wgpu::MemoryHints::Performance,
             ..Default::default()
         };
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| BackendError::NoDevice(e.to_string()))?;
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| BackendError::NoDevice(e.to_string()))?;
         let fault = Arc::new(Mutex::new(None));
         let keep = |fault: &Arc<Mutex<Option<String>>>, text: String| {
             fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);

@@ -7,5 +7,12 @@ pub mod device;
 mod modules;
 pub mod probe;
 pub mod shader;
+pub mod texture_buffers;
+mod texture_encoder;
+mod texture_functions;
+mod texture_images;
+mod texture_layout;
+mod texture_noise;
+mod texture_patterns;
 
 pub use device::{Gpu, GpuOptions, list_devices};

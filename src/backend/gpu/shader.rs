@@ -13,6 +13,8 @@ pub struct ShaderOptions {
     pub features: BTreeSet<String>,
     /// Lines of `package::constants`.
     constants: String,
+    /// The module `package::functions`: user functions, generated; empty for none.
+    pub functions: String,
 }
 
 /// A number that a shader knows by name.
@@ -72,6 +74,7 @@ impl ShaderOptions {
     pub fn extend(&mut self, other: &ShaderOptions) {
         self.features.extend(other.features.iter().cloned());
         self.constants.push_str(&other.constants);
+        self.functions.push_str(&other.functions);
     }
 }
 
@@ -94,6 +97,7 @@ pub fn assemble(module: &str, options: &ShaderOptions) -> Result<String, ShaderE
         resolver.add_module(path(name).map_err(|_| fail(format!("bad module name '{name}'")))?, (*text).into());
     }
     resolver.add_module(path("constants").map_err(|_| fail("constants".into()))?, options.constants.as_str().into());
+    resolver.add_module(path("functions").map_err(|_| fail("functions".into()))?, options.functions.as_str().into());
     let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver);
     compiler
         .use_imports(true)

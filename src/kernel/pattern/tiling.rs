@@ -14,7 +14,8 @@ const A: f64 = 0.866_025_403_784_438_6;
 /// Inner radius of a triangle.
 const T: f64 = 0.288_675_134_594_812_9;
 
-type Point = [f64; 2];
+/// x and z.
+pub type Point = [f64; 2];
 /// A kind and its polygon.
 type Tile = (u8, Vec<Point>);
 
@@ -27,20 +28,29 @@ struct Plan {
 }
 
 /// Sides of a tile as (x, z, offset): a point's distance inwards, in falloffs, is `x * px + z * pz + offset`.
-type Sides = Vec<[f64; 3]>;
+pub type Sides = Vec<[f64; 3]>;
 
 /// A tiling ready for lookups: all tiles that meet the lattice's first cell.
-struct Tiling {
-    kinds: f64,
-    lattice: [Point; 2],
-    tiles: Vec<(f64, Sides)>,
+#[derive(Debug)]
+pub struct Tiling {
+    /// Number of kinds of tiles.
+    pub kinds: f64,
+    /// What repeats it, in x and z.
+    pub lattice: [Point; 2],
+    /// Tiles by their kind.
+    pub tiles: Vec<(f64, Sides)>,
 }
 
 static TILINGS: LazyLock<Vec<Tiling>> = LazyLock::new(|| (1..=N_TILINGS).map(|n| Tiling::new(n, plan(n))).collect());
 
+/// A tiling by its number; `None` for those that are not done.
+pub fn tiling_plan(n: u8) -> Option<&'static Tiling> {
+    TILINGS.get(usize::from(n).wrapping_sub(1))
+}
+
 /// The value of tiling 1..=27, 0..=1.
 pub fn tiling(p: DVec3, n: u8) -> f64 {
-    let Some(t) = TILINGS.get(usize::from(n).wrapping_sub(1)) else { return 0.0 };
+    let Some(t) = tiling_plan(n) else { return 0.0 };
     let [u, v] = t.lattice;
     let det = u[0] * v[1] - u[1] * v[0];
     let (a, b) = (((p.x * v[1] - p.z * v[0]) / det).floor(), ((u[0] * p.z - u[1] * p.x) / det).floor());
