@@ -118,7 +118,7 @@ impl Job<'_> {
         let mut pixels = vec![[0.0f32; 4]; w * (y1 - y0) as usize];
         let mut n_samples = 1;
         let rows = match (&self.settings.antialias, self.settings.samples.len()) {
-            (Some(aa), _) => aa.render_block(block, &mut |x, y| tracer.pixel(x, y), &go_on, &mut pixels),
+            (Some(aa), _) => aa.render_block(block, &mut |x, y| Some(tracer.pixel(x, y)), &go_on, &mut pixels),
             (None, 0 | 1) => rows_of(block, &go_on, &mut pixels, |x, y| tracer.pixel(f64::from(x), f64::from(y))),
             (None, n) => {
                 n_samples = n as u32;
@@ -155,7 +155,7 @@ impl Job<'_> {
 }
 
 /// The mean of old and new samples of a pixel; `join` keeps the old ones.
-fn add_samples(film: &mut Film, at: usize, new: Sample, n_new: u32, join: bool) {
+pub(super) fn add_samples(film: &mut Film, at: usize, new: Sample, n_new: u32, join: bool) {
     let n_old = if join { film.samples[at] } else { 0 };
     let (a, b) = (n_old as f32, n_new as f32);
     let old = film.pixels[at];

@@ -4,6 +4,7 @@
 
 use super::Antialias;
 use crate::math::random::pixel_jitter;
+use std::collections::HashMap;
 
 /// Red, green, blue, transmit at a picture position; integers are pixel centres.
 pub type Sample = [f32; 4];
@@ -37,10 +38,12 @@ impl Antialias {
 
     /// Renders `block` row by row into `out` (`[row][column]`) with `trace(x, y)`. Stops early when `go_on` says no, after whole rows;
     /// gives the rows finished.
+    ///
+    /// `trace` gives `None` for what it does not know yet: the picture is then one as if no more had been wanted there ([`BlockMemo`]).
     pub fn render_block(
         &self,
         block: Block,
-        trace: &mut impl FnMut(f64, f64) -> Sample,
+        trace: &mut impl FnMut(f64, f64) -> Option<Sample>,
         go_on: &impl Fn() -> bool,
         out: &mut [Sample],
     ) -> u32 {
@@ -51,24 +54,24 @@ impl Antialias {
     fn neighbours(
         &self,
         [x0, y0, x1, y1]: Block,
-        trace: &mut impl FnMut(f64, f64) -> Sample,
+        trace: &mut impl FnMut(f64, f64) -> Option<Sample>,
         go_on: &impl Fn() -> bool,
         out: &mut [Sample],
     ) -> u32 {
         let w = (x1 - x0) as usize;
         // Index 0 of a row is the pixel left of the block; row 0 is the row above it.
-        let mut above: Vec<(Sample, bool)> =
-            std::iter::once(([0.0; 4], true)).chain((x0..x1).map(|x| (trace(f64::from(x), f64::from(y0) - 1.0), true))).collect();
+        let border = (x0..x1).map(|x| (trace(f64::from(x), f64::from(y0) - 1.0).unwrap_or_default(), true));
+        let mut above: Vec<(Sample, bool)> = std::iter::once(([0.0; 4], true)).chain(border).collect();
         let mut row = above.clone();
         for y in y0..y1 {
             if !go_on() {
                 return y - y0;
             }
             let fy = f64::from(y);
-            row[0] = (trace(f64::from(x0) - 1.0, fy), true);
+            row[0] = (trace(f64::from(x0) - 1.0, fy).unwrap_or_default(), true);
             for k in 1..=w {
                 let fx = f64::from(x0) + k as f64 - 1.0;
-                row[k] = (trace(fx, fy), false);
+                row[k] = (trace(fx, fy).unwrap_or_default(), false);
                 let differs_left = self.differ(&row[k].0, &row[k - 1].0);
                 let differs_up = self.differ(&row[k].0, &above[k].0);
                 if differs_left && !row[k - 1].1 {
@@ -94,19 +97,21 @@ impl Antialias {
         y1 - y0
     }
 
-    fn supersample(&self, x: f64, y: f64, centre: Sample, trace: &mut impl FnMut(f64, f64) -> Sample) -> Sample {
+    fn supersample(&self, x: f64, y: f64, centre: Sample, trace: &mut impl FnMut(f64, f64) -> Option<Sample>) -> Sample {
         let n = u32::from(self.depth.clamp(1, 9));
         let step = 1.0 / f64::from(n);
-        let mut sum = centre;
+        let (mut sum, mut known) = (centre, true);
         for j in 0..n {
             for i in 0..n {
                 let place = |k: u32| -0.5 + 0.5 * step + f64::from(k) * step;
                 let (px, py) = self.jittered(x + place(i), y + place(j), step);
-                let c = trace(px, py);
-                (0..4).for_each(|k| sum[k] += c[k]);
+                match trace(px, py) {
+                    Some(c) => (0..4).for_each(|k| sum[k] += c[k]),
+                    None => known = false,
+                }
             }
         }
-        sum.map(|v| v / (n * n + 1) as f32)
+        if known { sum.map(|v| v / (n * n + 1) as f32) } else { centre }
     }
 
     fn jittered(&self, x: f64, y: f64, scale: f64) -> (f64, f64) {
@@ -121,7 +126,7 @@ impl Antialias {
     fn corners(
         &self,
         [x0, y0, x1, y1]: Block,
-        trace: &mut impl FnMut(f64, f64) -> Sample,
+        trace: &mut impl FnMut(f64, f64) -> Option<Sample>,
         go_on: &impl Fn() -> bool,
         out: &mut [Sample],
     ) -> u32 {
@@ -132,7 +137,7 @@ impl Antialias {
                 return 0;
             }
             for i in 0..=w {
-                corner[j * (w + 1) + i] = trace(f64::from(x0) + i as f64 - 0.5, f64::from(y0) + j as f64 - 0.5);
+                corner[j * (w + 1) + i] = trace(f64::from(x0) + i as f64 - 0.5, f64::from(y0) + j as f64 - 0.5).unwrap_or_default();
             }
         }
         let depth = self.depth.clamp(1, 9) - 1;
@@ -159,7 +164,7 @@ impl Antialias {
         depth: u8,
         corners: [Sample; 4],
         jitter_scale: f64,
-        trace: &mut impl FnMut(f64, f64) -> Sample,
+        trace: &mut impl FnMut(f64, f64) -> Option<Sample>,
         shared: &mut Shared,
     ) -> Sample {
         let [a, b, c, d] = corners;
@@ -170,14 +175,15 @@ impl Antialias {
         }
         let mut point = |dx: f64, dy: f64| {
             let (px, py) = (x + dx * half, y + dy * half);
-            shared.get(px, py).unwrap_or_else(|| {
+            shared.get(px, py).or_else(|| {
                 let (jx, jy) = self.jittered(px, py, jitter_scale);
-                let s = trace(jx, jy);
+                let s = trace(jx, jy)?;
                 shared.points.push(((px, py), s));
-                s
+                Some(s)
             })
         };
-        let (left, top, right, bottom, centre) = (point(-1.0, 0.0), point(0.0, -1.0), point(1.0, 0.0), point(0.0, 1.0), point(0.0, 0.0));
+        let points = (point(-1.0, 0.0), point(0.0, -1.0), point(1.0, 0.0), point(0.0, 1.0), point(0.0, 0.0));
+        let (Some(left), Some(top), Some(right), Some(bottom), Some(centre)) = points else { return mean(corners) };
         let q = 0.5 * half;
         let parts = [
             ((x - q, y - q), [a, top, left, centre]),
@@ -186,6 +192,52 @@ impl Antialias {
             ((x + q, y + q), [centre, right, bottom, d]),
         ];
         mean(parts.map(|(at, corners)| self.cell(at, q, depth - 1, corners, jitter_scale, trace, shared)))
+    }
+}
+
+/// A block whose samples are traced many at once: it is rendered again and again with what is known, and asks for what it missed, until
+/// it misses nothing. The picture is the one that [`Antialias::render_block`] makes.
+pub struct BlockMemo {
+    block: Block,
+    known: HashMap<(u64, u64), Option<Sample>>,
+    pixels: Vec<Sample>,
+    is_done: bool,
+}
+
+impl BlockMemo {
+    /// Knows nothing.
+    pub fn new(block: Block) -> Self {
+        let [x0, y0, x1, y1] = block;
+        Self { block, known: HashMap::new(), pixels: vec![[0.0; 4]; ((x1 - x0) * (y1 - y0)) as usize], is_done: false }
+    }
+
+    /// Renders as far as possible; gives the positions that were missing, each once. None: the block is finished.
+    pub fn advance(&mut self, aa: &Antialias) -> Vec<(f64, f64)> {
+        let (mut missing, known) = (Vec::new(), &mut self.known);
+        if self.is_done {
+            return missing;
+        }
+        let mut look = |x: f64, y: f64| {
+            *known.entry((x.to_bits(), y.to_bits())).or_insert_with(|| {
+                missing.push((x, y));
+                None
+            })
+        };
+        aa.render_block(self.block, &mut look, &|| true, &mut self.pixels);
+        self.is_done = missing.is_empty();
+        missing
+    }
+
+    /// Takes in the samples at positions that [`Self::advance`] gave.
+    pub fn learn(&mut self, positions: &[(f64, f64)], samples: &[Sample]) {
+        for ((x, y), s) in positions.iter().zip(samples) {
+            self.known.insert((x.to_bits(), y.to_bits()), Some(*s));
+        }
+    }
+
+    /// The block's pixels, `[row][column]`.
+    pub fn pixels(&self) -> &[Sample] {
+        &self.pixels
     }
 }
 
@@ -210,8 +262,8 @@ mod tests {
         Antialias { method, threshold: 0.3, depth, jitter: 0.0, gamma: 1.0 }
     }
 
-    fn edge(at: f64) -> impl FnMut(f64, f64) -> Sample {
-        move |x, _| if x < at { [0.0; 4] } else { [1.0, 1.0, 1.0, 0.0] }
+    fn edge(at: f64) -> impl FnMut(f64, f64) -> Option<Sample> {
+        move |x, _| Some(if x < at { [0.0; 4] } else { [1.0, 1.0, 1.0, 0.0] })
     }
 
     #[test]
@@ -228,7 +280,7 @@ mod tests {
             [0, 0, 4, 4],
             &mut |_, _| {
                 n += 1;
-                [0.5; 4]
+                Some([0.5; 4])
             },
             &|| true,
             &mut out,
@@ -262,7 +314,7 @@ mod tests {
             [0, 0, 1, 1],
             &mut |x, y| {
                 seen.push((x.to_bits(), y.to_bits()));
-                [if (x + y) as i64 % 2 == 0 { x as f32 } else { 1.0 }; 4]
+                Some([if (x + y) as i64 % 2 == 0 { x as f32 } else { 1.0 }; 4])
             },
             &|| true,
             &mut out,
@@ -271,5 +323,30 @@ mod tests {
         seen.sort_unstable();
         seen.dedup();
         assert_eq!(seen.len(), n, "no place twice");
+    }
+
+    #[test]
+    fn blocks_that_learn_their_samples_in_batches_come_out_the_same() {
+        let scene = |x: f64, y: f64| [((x * 0.7).sin() * (y * 0.9).cos()) as f32, (x * y * 0.05).sin() as f32, (x - y).abs() as f32 * 0.1, 0.0];
+        let block = [3, 5, 19, 17];
+        for method in [1, 2] {
+            for jitter in [0.0, 0.7] {
+                let aa = Antialias { threshold: 0.12, jitter, gamma: 2.2, ..aa(method, 3) };
+                let mut whole = vec![[0.0; 4]; 16 * 12];
+                aa.render_block(block, &mut |x, y| Some(scene(x, y)), &|| true, &mut whole);
+                let (mut memo, mut n_rounds) = (BlockMemo::new(block), 0);
+                loop {
+                    let missing = memo.advance(&aa);
+                    if missing.is_empty() {
+                        break;
+                    }
+                    let samples: Vec<Sample> = missing.iter().map(|(x, y)| scene(*x, *y)).collect();
+                    memo.learn(&missing, &samples);
+                    n_rounds += 1;
+                }
+                assert_eq!(memo.pixels(), whole, "method {method}, jitter {jitter}");
+                assert!((2..100).contains(&n_rounds), "{n_rounds} rounds");
+            }
+        }
     }
 }

@@ -151,6 +151,15 @@ impl Gpu {
         }
     }
 
+    /// A uniform buffer with these bytes, which can be written again.
+    pub fn uniform_buffer(&self, what: &str, bytes: &[u8]) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let size = (bytes.len() as u64).next_multiple_of(16);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false });
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
     /// Layout of one bind group.
     pub fn group_layout(&self, label: &str, entries: &[wgpu::BindGroupLayoutEntry]) -> wgpu::BindGroupLayout {
         self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
@@ -240,5 +249,13 @@ pub fn binding_layout(binding: u32, writable: bool) -> wgpu::BindGroupLayoutEntr
             min_binding_size: None,
         },
         count: None,
+    }
+}
+
+/// A uniform buffer at a binding.
+pub fn uniform_layout(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        ty: wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None },
+        ..binding_layout(binding, false)
     }
 }

@@ -3,10 +3,14 @@
 //! Shader text is put together for what the scene uses (`shader`); rays wait in queues (`wavefront`). What a scene uses beyond what
 //! the shaders know gives [`BackendError::Unsupported`](super::BackendError), and the caller renders on the CPU.
 
+mod buffers;
 pub mod device;
+pub mod layout;
+mod mesh_buffers;
 mod modules;
 pub mod probe;
 pub mod shader;
+mod support;
 pub mod texture_buffers;
 mod texture_encoder;
 mod texture_functions;
@@ -14,5 +18,164 @@ mod texture_images;
 mod texture_layout;
 mod texture_noise;
 mod texture_patterns;
+mod wavefront;
 
 pub use device::{Gpu, GpuOptions, list_devices};
+
+use super::cpu::add_samples;
+use super::{Backend, BackendError, Progress};
+use crate::compile::CompiledScene;
+use crate::film::Film;
+use crate::integrate::RenderSettings;
+use crate::integrate::Antialias;
+use crate::integrate::antialias::{Block, BlockMemo, Sample, blocks};
+use crate::integrate::classic::ScenePlan;
+use crate::integrate::samples::sample_position;
+use buffers::SceneBuffers;
+use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
+use wavefront::Wavefront;
+
+/// A graphics card, or software that acts as one.
+pub struct GpuBackend {
+    gpu: Gpu,
+}
+
+impl GpuBackend {
+    /// Opens the first device that will do.
+    pub fn new(options: &GpuOptions) -> Result<Self, BackendError> {
+        Ok(Self { gpu: Gpu::new(options)? })
+    }
+}
+
+impl Backend for GpuBackend {
+    fn name(&self) -> String {
+        self.gpu.name()
+    }
+
+    fn render(
+        &self,
+        scene: &CompiledScene,
+        settings: &RenderSettings,
+        film: &mut Film,
+        progress: &dyn Progress,
+        cancel: &AtomicBool,
+    ) -> Result<(), BackendError> {
+        support::check(scene, settings)?;
+        let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
+        let buffers = SceneBuffers::new(scene, &plan, [settings.width, settings.height])?;
+        let wavefront = Wavefront::new(&self.gpu, &buffers)?;
+        let mut picture = Picture { wavefront, settings, film, progress, cancel, done: 0 };
+        match &settings.antialias {
+            Some(aa) => picture.render_blocks(aa),
+            None => picture.render_pixels(),
+        }
+    }
+}
+
+/// A picture on its way from the wavefront into the film.
+struct Picture<'p> {
+    wavefront: Wavefront<'p>,
+    settings: &'p RenderSettings,
+    film: &'p mut Film,
+    progress: &'p dyn Progress,
+    cancel: &'p AtomicBool,
+    done: u64,
+}
+
+impl Picture<'_> {
+    /// The same samples for every pixel: as many pixels at a time as the wavefront takes.
+    fn render_pixels(&mut self) -> Result<(), BackendError> {
+        let [x0, y0, x1, y1] = self.settings.crop;
+        let pixels: Vec<(u32, u32)> = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))).collect();
+        let n_samples = self.settings.samples.len().max(1) as u32;
+        if n_samples == 1 {
+            let join = self.settings.samples.start > 0;
+            for part in pixels.chunks(self.wavefront.max_samples as usize) {
+                let at: Vec<[f32; 2]> = part.iter().map(|(x, y)| [*x as f32, *y as f32]).collect();
+                let Some(found) = self.wavefront.trace(&at, self.cancel)? else { return Ok(()) };
+                part.iter().zip(found).for_each(|((x, y), s)| self.keep(*x, *y, s, 1, join));
+                self.tell(part.len());
+            }
+            return Ok(());
+        }
+        // At most as many samples of a pixel at once as fit; the film joins the rest.
+        let at_once = n_samples.min(self.wavefront.max_samples);
+        let n_pixels = (self.wavefront.max_samples / at_once).max(1) as usize;
+        for part in pixels.chunks(n_pixels) {
+            let mut first = self.settings.samples.start;
+            while first < self.settings.samples.end {
+                let end = (first + at_once).min(self.settings.samples.end);
+                let at: Vec<[f32; 2]> = part.par_iter().flat_map_iter(|p| sample_places(*p, first..end, self.settings.seed)).collect();
+                let Some(found) = self.wavefront.trace(&at, self.cancel)? else { return Ok(()) };
+                for ((x, y), list) in part.iter().zip(found.chunks((end - first) as usize)) {
+                    let mut mean = [0.0f32; 4];
+                    list.iter().for_each(|s| (0..4).for_each(|k| mean[k] += s[k]));
+                    self.keep(*x, *y, mean.map(|v| v / list.len() as f32), end - first, first > 0);
+                }
+                first = end;
+            }
+            self.tell(part.len());
+        }
+        Ok(())
+    }
+
+    /// Blocks that decide their samples by what the first ones show.
+    fn render_blocks(&mut self, aa: &Antialias) -> Result<(), BackendError> {
+        let all = blocks(self.settings.crop, self.settings.block_size);
+        let side = self.settings.block_size.max(4) as usize + 1;
+        for part in all.chunks((self.wavefront.max_samples as usize / (side * side)).max(1)) {
+            let mut memos: Vec<BlockMemo> = part.iter().map(|b| BlockMemo::new(*b)).collect();
+            loop {
+                // What each block still wants to see.
+                let wanted: Vec<Vec<(f64, f64)>> = memos.par_iter_mut().map(|m| m.advance(aa)).collect();
+                let at: Vec<[f32; 2]> = wanted.iter().flatten().map(|(x, y)| [*x as f32, *y as f32]).collect();
+                if at.is_empty() {
+                    break;
+                }
+                let mut found: Vec<Sample> = Vec::with_capacity(at.len());
+                for list in at.chunks(self.wavefront.max_samples as usize) {
+                    let Some(samples) = self.wavefront.trace(list, self.cancel)? else { return Ok(()) };
+                    found.extend(samples);
+                }
+                let mut rest = found.as_slice();
+                for (memo, list) in memos.iter_mut().zip(&wanted) {
+                    let (own, others) = rest.split_at(list.len());
+                    memo.learn(list, own);
+                    rest = others;
+                }
+            }
+            for (block, memo) in part.iter().zip(&memos) {
+                self.keep_block(*block, memo.pixels());
+            }
+        }
+        Ok(())
+    }
+
+    fn keep_block(&mut self, [x0, y0, x1, y1]: Block, pixels: &[Sample]) {
+        for (k, s) in pixels.iter().enumerate() {
+            let (x, y) = (x0 + k as u32 % (x1 - x0), y0 + k as u32 / (x1 - x0));
+            self.keep(x, y, *s, 1, false);
+        }
+        self.tell(((x1 - x0) * (y1 - y0)) as usize);
+    }
+
+    fn keep(&mut self, x: u32, y: u32, s: Sample, n: u32, join: bool) {
+        let at = self.film.index(x, y);
+        add_samples(self.film, at, s, n, join);
+    }
+
+    fn tell(&mut self, n: usize) {
+        let [x0, y0, x1, y1] = self.settings.crop.map(u64::from);
+        self.done += n as u64;
+        self.progress.pixels(self.done, (x1 - x0) * (y1 - y0));
+    }
+}
+
+/// Picture positions of a range of a pixel's samples.
+fn sample_places((x, y): (u32, u32), range: std::ops::Range<u32>, seed: u32) -> impl Iterator<Item = [f32; 2]> {
+    range.map(move |k| {
+        let (dx, dy) = sample_position(x, y, k, seed);
+        [(f64::from(x) + dx) as f32, (f64::from(y) + dy) as f32]
+    })
+}

@@ -4,7 +4,7 @@
 use super::modules::MODULES;
 use std::collections::BTreeSet;
 use std::fmt::Write;
-use wesl::{Feature, ManglerKind, VirtualResolver, Wesl};
+use wesl::{CompileOptions, Feature, ManglerKind, VirtualResolver, Wesl};
 
 /// What decides the text of a shader besides its modules.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -99,12 +99,9 @@ pub fn assemble(module: &str, options: &ShaderOptions) -> Result<String, ShaderE
     resolver.add_module(path("constants").map_err(|_| fail("constants".into()))?, options.constants.as_str().into());
     resolver.add_module(path("functions").map_err(|_| fail("functions".into()))?, options.functions.as_str().into());
     let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver);
-    compiler
-        .use_imports(true)
-        .use_condcomp(true)
-        .use_stripping(true)
-        .set_mangler(ManglerKind::None)
-        .set_features(options.features.iter().map(|f| (f, Feature::Enable)));
+    let mut wanted = CompileOptions { lower: false, validate: false, ..CompileOptions::default() };
+    wanted.features.flags.extend(options.features.iter().map(|f| (f.clone(), Feature::Enable)));
+    compiler.set_mangler(ManglerKind::None).set_options(wanted);
     let root = path(module).map_err(|_| fail("bad module name".into()))?;
     compiler.compile(&root).map(|r| r.to_string()).map_err(|e| fail(e.to_string()))
 }

@@ -1,0 +1,526 @@
+//! A compiled scene as the arrays that the shaders read: structs (`layout`), and words for what differs in length.
+//! Twin of the bindings: `shaders/shared/bindings.wesl`.
+
+use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
+use super::mesh_buffers::{MeshWords, encode_meshes, kd_of};
+use super::shader::ShaderOptions;
+use super::support::{FanOut, KINDS, fan_out};
+use super::texture_buffers::{TextureRoots, TextureWords, encode_textures};
+use crate::backend::BackendError;
+use crate::compile::geometry::{InsideStep, PrimKind, prim_flags};
+use crate::compile::{CompiledScene, NONE};
+use crate::integrate::classic::ScenePlan;
+use crate::kernel::light::{SUN_DISTANCE, light_axis};
+use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE};
+use crate::math::{Bounds, DVec3, MAX_DISTANCE, Vec3};
+use crate::scene::light::{Fade, LightKind};
+
+/// Everything of a scene, encoded.
+pub(super) struct SceneBuffers {
+    pub params: SceneParams,
+    pub prims: Vec<Prim>,
+    pub transforms: Vec<Transform>,
+    pub words: Vec<u32>,
+    pub meshes: MeshWords,
+    pub finishes: Vec<Finish>,
+    pub lights: Vec<Light>,
+    pub interiors: Vec<Interior>,
+    pub textures: TextureWords,
+    pub options: ShaderOptions,
+    /// Most rays that one hit sends on.
+    pub max_children: u32,
+    /// Most shadow rays of one hit.
+    pub max_shadows: u32,
+    /// Some shadow rays go on behind what they meet.
+    pub transparency: bool,
+}
+
+/// Lit layers of a hit that a shader holds at once.
+const MAX_LIT: u32 = 64;
+/// Share of a coordinate within which a ray does not see the surface that it starts on. Measured: scenes of 1e4 units, 32-bit numbers.
+const MIN_DEPTH_SHARE: f32 = 3e-6;
+
+pub(super) fn v3(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}
+
+/// Appends words and gives their place. Place 0 is never given: it means "none".
+pub(super) fn append(words: &mut Vec<u32>, new: impl IntoIterator<Item = u32>) -> u32 {
+    if words.is_empty() {
+        words.push(0);
+    }
+    let at = words.len() as u32;
+    words.extend(new);
+    at
+}
+
+/// Bits of 32-bit numbers.
+pub(super) fn bits<const N: usize>(v: [f32; N]) -> [u32; N] {
+    v.map(f32::to_bits)
+}
+
+fn bits3(v: DVec3) -> [u32; 3] {
+    bits(v3(v))
+}
+
+/// A box rounded and padded outward.
+pub(super) fn outward(b: &Bounds) -> ([f32; 3], [f32; 3]) {
+    let limit = |v: DVec3| v.clamp(DVec3::splat(-1e18), DVec3::splat(1e18)).as_vec3();
+    let pad = |v: Vec3| v.abs() * 1e-6 + Vec3::splat(1e-30);
+    let (low, high) = (limit(b.min), limit(b.max));
+    ((low - pad(low)).to_array(), (high + pad(high)).to_array())
+}
+
+impl SceneBuffers {
+    /// Encodes `scene` for a picture that `plan` was made for.
+    pub fn new(scene: &CompiledScene, plan: &ScenePlan, size: [u32; 2]) -> Result<Self, BackendError> {
+        let g = &scene.geometry;
+        let textures = encode_textures(&scene.textures, &TextureRoots::of_scene(scene), !plan.quality.normals)?;
+        let mut words = vec![0];
+        let meshes = encode_meshes(scene, &textures, &mut words)?;
+        let mut params = scene_params(scene, size);
+        let transparency = g.prims.iter().any(|p| p.flags & prim_flags::TRANSPARENT != 0);
+        if let Some(list) = &plan.camera_interiors {
+            let list: Vec<u32> = list.iter().collect();
+            if list.len() > params.camera_interiors.len() {
+                return Err(BackendError::Unsupported("a camera inside more than eight objects".into()));
+            }
+            params.camera_interiors[..list.len()].copy_from_slice(&list);
+            params.n_camera_interiors = list.len() as u32;
+        }
+        params.clip_steps_at = append(&mut words, g.clip_steps.iter().flat_map(clip_step));
+        params.clip_boxes_at = append(&mut words, g.clip_boxes.iter().flat_map(|b| [bits3(b.min), bits3(b.max)].concat()));
+        params.fogs_at = encode_fogs(scene, &mut words);
+        if let Some(sky) = &scene.sky {
+            let pigments = sky.pigments.iter().map(|p| textures.pigments[*p as usize]);
+            params.sky_at = append(&mut words, std::iter::once(sky.pigments.len() as u32).chain(pigments));
+            params.sky_emission = sky.emission.to_array();
+            params.sky_transform_ix = sky.transform_ix;
+        }
+        let (nodes, refs) = kd_of(&g.tree, g.bounded.len() as u32);
+        let mut tree_nodes = nodes;
+        let mut tree_refs: Vec<u32> = refs.iter().map(|k| g.bounded[*k as usize]).collect();
+        params.n_bounded = g.bounded.len() as u32;
+        params.unbounded_at = tree_refs.len() as u32;
+        params.n_unbounded = g.unbounded.len() as u32;
+        tree_refs.extend_from_slice(&g.unbounded);
+        let all = g.bounded.iter().fold(Bounds::EMPTY, |b, k| b.union(g.bounds[*k as usize]));
+        (params.tree_low, params.tree_high) = outward(&all);
+        params.tree_extent = Vec3::from(params.tree_low).abs().max(Vec3::from(params.tree_high).abs()).max_element();
+        let scene_depth = depth_of(&tree_nodes);
+        let meshes = meshes.behind(&mut tree_nodes, &mut tree_refs, &mut words);
+        let prims = encode_prims(scene, plan, &textures, &meshes, &mut words);
+        let mut buffers = Self {
+            params,
+            prims,
+            transforms: g.transforms.iter().map(transform).collect(),
+            words,
+            meshes,
+            finishes: scene.textures.finishes.iter().map(finish).collect(),
+            lights: scene.lights.iter().map(|l| light(&l.light)).collect(),
+            interiors: scene.interiors.iter().map(interior).collect(),
+            textures,
+            options: ShaderOptions::default(),
+            max_children: 0,
+            max_shadows: 0,
+            transparency,
+        };
+        buffers.meshes.nodes = tree_nodes;
+        buffers.meshes.refs = tree_refs;
+        buffers.options = buffers.shader_options(scene, plan, scene_depth)?;
+        Ok(buffers)
+    }
+
+    /// Features and constants of the shaders; works out the sizes of the queues, too.
+    fn shader_options(&mut self, scene: &CompiledScene, plan: &ScenePlan, scene_depth: u32) -> Result<ShaderOptions, BackendError> {
+        let (g, f) = (&scene.geometry, &scene.features);
+        let mut o = self.textures.shader.clone();
+        for (kind, name) in KINDS {
+            o.feature_if(name, f.prim_kinds & (1 << *kind as u32) != 0);
+        }
+        let face_covers = g.shapes.meshes.iter().any(|m| !m.mesh.face_textures.is_empty());
+        let cutaway = g.objects.iter().map(|o| o.cutaway.len()).max().unwrap_or(0) as u32;
+        let solid_mesh = f.prim_kinds & (1 << PrimKind::Mesh as u32) != 0 && g.shapes.meshes.iter().any(|m| m.mesh.inside_vector.is_some());
+        let features = [
+            ("transparency", self.transparency),
+            ("reflection", f.reflection),
+            ("highlights", f.highlights),
+            ("irid", f.irid),
+            ("normals", f.normals),
+            ("fog", !scene.fogs.is_empty()),
+            ("fog_turbulence", scene.fogs.iter().any(|f| f.turbulence.is_some())),
+            ("sky", scene.sky.is_some()),
+            ("modern", plan.modern),
+            ("output_alpha", plan.output_alpha),
+            ("uv", f.uv),
+            ("solid_mesh", solid_mesh),
+            ("face_covers", face_covers),
+            ("cutaway", cutaway > 0),
+            ("bounded_by", g.prims.iter().any(|p| p.flags & prim_flags::BOUNDED != 0)),
+            ("orthographic", matches!(scene.camera.projection, crate::scene::Projection::Orthographic)),
+        ];
+        features.iter().for_each(|(name, holds)| o.feature_if(name, *holds));
+        let covers = cutaway.max(if face_covers { 3 } else { 1 });
+        let fan = self.textures.textures.iter().enumerate().filter(|(_, at)| **at != 0).map(|(ix, _)| fan_out(scene, ix as u32));
+        let fan = fan.fold(FanOut::default(), |a, b| FanOut {
+            leaves: a.leaves.max(b.leaves),
+            layers: a.layers.max(b.layers),
+            deepest: a.deepest.max(b.deepest),
+        });
+        let max_lit = (fan.layers * covers).max(1);
+        if max_lit > MAX_LIT {
+            return Err(BackendError::Unsupported(format!("points that show {max_lit} layers of texture at once (at most {MAX_LIT})")));
+        }
+        let mirrors = if f.reflection { fan.deepest.max(1) } else { 0 };
+        self.max_children = fan.leaves.max(1) * covers * (mirrors + u32::from(self.transparency));
+        self.max_shadows = scene.lights.len() as u32;
+        let constants = [
+            ("WORKGROUP", super::device::WORKGROUP),
+            ("SCENE_STACK", scene_depth + 1),
+            ("MESH_STACK", self.meshes.depth + 1),
+            ("MAX_COVERS", covers),
+            ("MAX_LIT", max_lit),
+            ("MAX_MIRRORS", mirrors.max(1)),
+            ("N_LIGHTS", scene.lights.len() as u32),
+            ("FOG_LEN", FOG_LEN),
+            ("MAX_RECURSION", 1200),
+            ("RAY_REFLECTED", RAY_REFLECTED),
+            ("FAULT_INTERIORS", FAULT_INTERIORS),
+            ("FAULT_CHILDREN", FAULT_QUEUE),
+            ("FAULT_SHADOWS", FAULT_QUEUE),
+            ("FLAG_NO_SHADOW", prim_flags::NO_SHADOW),
+            ("FLAG_NO_IMAGE", prim_flags::NO_IMAGE),
+            ("FLAG_NO_REFLECTION", prim_flags::NO_REFLECTION),
+            ("FLAG_DOUBLE_ILLUMINATE", prim_flags::DOUBLE_ILLUMINATE),
+            ("FLAG_INVERTED", prim_flags::INVERTED),
+            ("FLAG_UV_MAPPING", prim_flags::UV_MAPPING),
+            ("FLAG_TRANSPARENT", prim_flags::TRANSPARENT),
+            ("FLAG_INSIDE_ONLY", prim_flags::INSIDE_ONLY),
+            ("KIND_SPHERE", PrimKind::Sphere as u32),
+            ("KIND_BOX", PrimKind::Box as u32),
+            ("KIND_CYLINDER", PrimKind::Cylinder as u32),
+            ("KIND_CONE", PrimKind::Cone as u32),
+            ("KIND_PLANE", PrimKind::Plane as u32),
+            ("KIND_DISC", PrimKind::Disc as u32),
+            ("KIND_TORUS", PrimKind::Torus as u32),
+            ("KIND_TRIANGLE", PrimKind::Triangle as u32),
+            ("KIND_MESH", PrimKind::Mesh as u32),
+            ("LIGHT_POINT", LIGHT_POINT),
+            ("LIGHT_SPOT", LIGHT_SPOT),
+            ("LIGHT_CYLINDER", LIGHT_CYLINDER),
+            ("LIGHT_SUN", LIGHT_SUN),
+            ("LIGHT_PARALLEL", LIGHT_PARALLEL),
+            ("LIGHT_SHADOWLESS", LIGHT_SHADOWLESS),
+            ("LIGHT_IN_AIR", LIGHT_IN_AIR),
+            ("LIGHT_HAS_RADIUS", LIGHT_HAS_RADIUS),
+            ("FADE_POV", FADE_POV),
+            ("FADE_INVERSE_SQUARE", FADE_INVERSE_SQUARE),
+        ];
+        constants.iter().for_each(|(name, v)| o.constant(name, *v));
+        for (code, name) in STEP_NAMES.iter().enumerate() {
+            o.constant(name, code as u32);
+        }
+        let irid = scene.settings.irid_wavelength;
+        let numbers = [
+            ("MIN_DEPTH", MIN_DEPTH as f32),
+            ("SHADOW_TOLERANCE", SHADOW_TOLERANCE as f32),
+            ("MIN_DEPTH_SHARE", MIN_DEPTH_SHARE),
+            ("MAX_DISTANCE", MAX_DISTANCE as f32),
+            ("SUN_DISTANCE", SUN_DISTANCE as f32),
+            ("BACKGROUND_DEPTH", crate::kernel::atmosphere::BACKGROUND_DEPTH as f32),
+            ("IRID_RED", irid.x),
+            ("IRID_GREEN", irid.y),
+            ("IRID_BLUE", irid.z),
+        ];
+        numbers.iter().for_each(|(name, v)| o.constant(name, *v));
+        Ok(o)
+    }
+}
+
+/// Bit of a ray's state: it was reflected.
+const RAY_REFLECTED: u32 = 1;
+/// More interiors around a ray than fit.
+pub(super) const FAULT_INTERIORS: u32 = 1;
+/// A queue was too short: a fault of this program.
+pub(super) const FAULT_QUEUE: u32 = 2;
+const LIGHT_POINT: u32 = 0;
+const LIGHT_SPOT: u32 = 1;
+const LIGHT_CYLINDER: u32 = 2;
+const LIGHT_SUN: u32 = 3;
+const LIGHT_PARALLEL: u32 = 1;
+const LIGHT_SHADOWLESS: u32 = 2;
+const LIGHT_IN_AIR: u32 = 4;
+const LIGHT_HAS_RADIUS: u32 = 8;
+const FADE_POV: u32 = 1;
+const FADE_INVERSE_SQUARE: u32 = 2;
+const FOG_LEN: u32 = 20;
+/// Codes of steps are their places here.
+const STEP_NAMES: [&str; 9] = [
+    "STEP_PRIM",
+    "STEP_AND",
+    "STEP_OR",
+    "STEP_NOT",
+    "STEP_REQUIRE",
+    "STEP_REQUIRE_IN",
+    "STEP_REQUIRE_OUT",
+    "STEP_SKIP_OWN",
+    "STEP_SKIP_OUTSIDE",
+];
+
+fn clip_step(s: &InsideStep) -> [u32; 4] {
+    match *s {
+        InsideStep::Prim(p) => [0, p, 0, 0],
+        InsideStep::And => [1, 0, 0, 0],
+        InsideStep::Or => [2, 0, 0, 0],
+        InsideStep::Not => [3, 0, 0, 0],
+        InsideStep::Require => [4, 0, 0, 0],
+        InsideStep::RequireIn(p) => [5, p, 0, 0],
+        InsideStep::RequireOut(p) => [6, p, 0, 0],
+        InsideStep::SkipOwn { first, count, skip } => [7, first, count, skip],
+        InsideStep::SkipOutside { box_ix, skip } => [8, box_ix, 0, skip],
+    }
+}
+
+/// Steps from the root to the deepest leaf.
+pub(super) fn depth_of(nodes: &[[u32; 2]]) -> u32 {
+    let (mut deepest, mut stack) = (0, vec![(0u32, 0u32)]);
+    while let Some((ix, depth)) = stack.pop() {
+        deepest = deepest.max(depth);
+        match nodes.get(ix as usize) {
+            Some([_, meta]) if meta & 3 != 3 => stack.extend([(ix + 1, depth + 1), (meta >> 2, depth + 1)]),
+            _ => {}
+        }
+    }
+    deepest
+}
+
+fn scene_params(scene: &CompiledScene, size: [u32; 2]) -> SceneParams {
+    let (c, s, b) = (&scene.camera, &scene.settings, &scene.background);
+    SceneParams {
+        camera_location: v3(c.location),
+        camera_direction: v3(c.direction),
+        camera_right: v3(c.right),
+        camera_up: v3(c.up),
+        adc_bailout: s.adc_bailout as f32,
+        max_level: s.max_trace_level.clamp(1, 256),
+        n_lights: scene.lights.len() as u32,
+        background: b.rgb.to_array(),
+        background_filter: b.filter,
+        background_transmit: b.transmit,
+        ambient_light: s.ambient_light.to_array(),
+        resolution: size.map(|v| v as f32),
+        generator: u32::from(s.noise_generator),
+        ..SceneParams::default()
+    }
+}
+
+fn encode_fogs(scene: &CompiledScene, words: &mut Vec<u32>) -> u32 {
+    let fog = |f: &crate::scene::Fog| {
+        let ground = f.ground.map_or([0.0; 2], |g| [g.0 as f32, g.1 as f32]);
+        let mut w = Vec::from(bits(f.color.to_array()));
+        w.extend([(f.distance as f32).to_bits(), u32::from(f.ground.is_some())]);
+        w.extend(bits(ground));
+        w.extend(bits3(f.up));
+        w.push(u32::from(f.turbulence.is_some()));
+        match &f.turbulence {
+            Some((t, depth)) => {
+                w.extend(bits3(t.amount));
+                w.extend([t.octaves, t.omega.to_bits(), t.lambda.to_bits(), (*depth as f32).to_bits()]);
+            }
+            None => w.extend([0; 7]),
+        }
+        debug_assert_eq!(w.len() as u32, FOG_LEN, "as the shader reads it");
+        w
+    };
+    let fogs: Vec<u32> = scene.fogs.iter().flat_map(fog).collect();
+    append(words, std::iter::once(scene.fogs.len() as u32).chain(fogs))
+}
+
+fn encode_prims(
+    scene: &CompiledScene,
+    plan: &ScenePlan,
+    textures: &TextureWords,
+    meshes: &MeshWords,
+    words: &mut Vec<u32>,
+) -> Vec<Prim> {
+    let g = &scene.geometry;
+    let texture = |ix: u32| if ix == NONE { 0 } else { textures.textures[ix as usize] };
+    let surfaces: Vec<u32> =
+        g.surfaces.iter().map(|s| append(words, [texture(s.texture), texture(s.interior_texture), s.transform_ix])).collect();
+    let list = |words: &mut Vec<u32>, lights: Vec<u32>| append(words, std::iter::once(lights.len() as u32).chain(lights));
+    // By light group (the last is "none"), without and with the global lights.
+    let groups: Vec<[u32; 2]> = (0..=plan.group_lights.len())
+        .map(|k| {
+            let own = plan.group_lights.get(k).cloned().unwrap_or_default();
+            let all = plan.global_lights.iter().chain(&own).copied().collect();
+            [list(words, own), list(words, all)]
+        })
+        .collect();
+    let bounded: Vec<[u32; 2]> = g.objects.iter().map(|o| encode_object(scene, o, &texture, words)).collect();
+    let mut out = Vec::with_capacity(g.prims.len());
+    for (p, b) in g.prims.iter().zip(&g.bounds) {
+        let (low, high) = outward(b);
+        let group = (p.group_ix as usize).min(groups.len() - 1);
+        let [bounded_by_at, cutaway_at] = bounded[p.object_ix as usize];
+        let kind = if p.kind == PrimKind::BicubicPatch { PrimKind::Mesh } else { p.kind };
+        out.push(Prim {
+            kind: kind as u32,
+            shape_at: encode_shape(scene, p, meshes, words),
+            transform_ix: p.transform_ix,
+            surface_at: surfaces[p.surface_ix as usize],
+            interior_ix: if p.interior_ix == NONE { 0 } else { p.interior_ix },
+            object_ix: p.object_ix,
+            clip_start: p.clip_start,
+            clip_len: p.clip_len,
+            flags: p.flags,
+            lights_at: groups[group][usize::from(p.flags & prim_flags::NO_GLOBAL_LIGHTS == 0)],
+            bounded_by_at: if p.flags & prim_flags::BOUNDED != 0 { bounded_by_at } else { 0 },
+            cutaway_at,
+            low,
+            high,
+            ..Prim::default()
+        });
+    }
+    out
+}
+
+/// Bounding objects and cut parts of an object, as `bounded_by.wesl` and `covers.wesl` read them.
+fn encode_object(
+    scene: &CompiledScene,
+    o: &crate::compile::geometry::ObjectRecord,
+    texture: &impl Fn(u32) -> u32,
+    words: &mut Vec<u32>,
+) -> [u32; 2] {
+    let g = &scene.geometry;
+    let mut w = match &o.cull_box {
+        Some(b) => {
+            let (low, high) = outward(b);
+            [vec![1], bits(low).to_vec(), bits(high).to_vec()].concat()
+        }
+        None => vec![0; 7],
+    };
+    w.push(o.bounded_by.len() as u32);
+    for k in &g.bounding_objects[o.bounded_by.start as usize..o.bounded_by.end as usize] {
+        let b = &g.objects[*k as usize];
+        w.extend([b.prims.start, b.prims.len() as u32, b.inside.start, b.inside.len]);
+    }
+    let bounded_at = append(words, w);
+    let parts = &g.cutaway_parts[o.cutaway.start as usize..o.cutaway.end as usize];
+    let parts: Vec<u32> = parts
+        .iter()
+        .flat_map(|(program, surface)| {
+            let s = &g.surfaces[*surface as usize];
+            [program.start, program.len, texture(s.texture), s.transform_ix]
+        })
+        .collect();
+    [bounded_at, append(words, std::iter::once(parts.len() as u32 / 4).chain(parts))]
+}
+
+/// Words of one shape, as `intersect.wesl` reads them; meshes stand already.
+fn encode_shape(scene: &CompiledScene, p: &crate::compile::geometry::Prim, meshes: &MeshWords, words: &mut Vec<u32>) -> u32 {
+    let (s, ix) = (&scene.geometry.shapes, p.shape_ix as usize);
+    let n = |v: f64| (v as f32).to_bits();
+    let new = match p.kind {
+        PrimKind::Sphere => {
+            let s = &s.spheres[ix];
+            [&bits3(s.center)[..], &[n(s.radius), s.uv_transform_ix], &bits3(s.uv_center)].concat()
+        }
+        PrimKind::Box => [bits3(s.boxes[ix].min), bits3(s.boxes[ix].max)].concat(),
+        PrimKind::Cylinder => vec![u32::from(s.cylinders[ix].open)],
+        PrimKind::Cone => vec![n(s.cones[ix].low), u32::from(s.cones[ix].open)],
+        PrimKind::Plane => [&bits3(s.planes[ix].normal)[..], &[n(s.planes[ix].distance)]].concat(),
+        PrimKind::Disc => vec![n(s.discs[ix].radius_sq), n(s.discs[ix].hole_sq)],
+        PrimKind::Torus => vec![n(s.tori[ix].major), n(s.tori[ix].minor)],
+        PrimKind::Triangle => {
+            let t = &s.triangles[ix];
+            let corners = t.vertices.map(bits3).concat();
+            [&corners[..], &bits3(t.normal), &[n(t.distance), u32::from(t.smooth)], &t.normals.map(bits3).concat()].concat()
+        }
+        PrimKind::Mesh | PrimKind::BicubicPatch => return meshes.places[ix],
+        _ => Vec::new(),
+    };
+    append(words, new)
+}
+
+fn transform(t: &crate::math::Transform) -> Transform {
+    let rows = |a: &crate::math::DAffine3| {
+        let (m, d) = (a.matrix3, a.translation);
+        std::array::from_fn(|k| [m.x_axis[k] as f32, m.y_axis[k] as f32, m.z_axis[k] as f32, d[k] as f32])
+    };
+    Transform { forward: rows(&t.forward), inverse: rows(&t.inverse) }
+}
+
+fn interior(i: &crate::compile::Interior) -> Interior {
+    Interior {
+        fade_color: i.fade_color.to_array(),
+        fade_distance: i.fade_distance as f32,
+        ior: i.ior as f32,
+        fade_power: i.fade_power as f32,
+        old_refraction: i.old_refraction as f32,
+        caustics: i.caustics as f32,
+        hollow: u32::from(i.hollow),
+        ..Interior::default()
+    }
+}
+
+fn finish(f: &crate::scene::Finish) -> Finish {
+    let r = &f.reflection;
+    Finish {
+        ambient: f.ambient.to_array(),
+        diffuse: f.diffuse,
+        emission: f.emission.to_array(),
+        diffuse_back: f.diffuse_back,
+        reflection_min: r.min.to_array(),
+        brilliance: f.brilliance,
+        reflection_max: r.max.to_array(),
+        phong: f.phong,
+        phong_size: f.phong_size,
+        specular: f.specular,
+        roughness: f.roughness,
+        metallic: f.metallic,
+        reflection_fresnel: u32::from(r.fresnel),
+        reflection_falloff: r.falloff,
+        reflection_exponent: r.exponent,
+        reflection_metallic: r.metallic,
+        conserve_energy: u32::from(f.conserve_energy),
+        irid_amount: f.irid[0],
+        irid_thickness: f.irid[1],
+        irid_turbulence: f.irid[2],
+    }
+}
+
+fn light(l: &crate::scene::Light) -> Light {
+    let mut out = Light {
+        location: v3(l.location),
+        point_at: v3(l.point_at),
+        color: l.color.to_array(),
+        axis: v3(light_axis(l)),
+        ..Light::default()
+    };
+    let mut flags = 0;
+    match l.kind {
+        LightKind::Point => out.kind = LIGHT_POINT,
+        LightKind::Sun { .. } => out.kind = LIGHT_SUN,
+        LightKind::Spot { radius_rad, falloff_rad, tightness } => {
+            out.kind = LIGHT_SPOT;
+            (out.radius, out.falloff, out.tightness) = (radius_rad.cos() as f32, falloff_rad.cos() as f32, tightness as f32);
+            flags |= if radius_rad > 0.0 { LIGHT_HAS_RADIUS } else { 0 };
+        }
+        LightKind::Cylinder { radius, falloff, tightness } => {
+            out.kind = LIGHT_CYLINDER;
+            (out.radius, out.falloff, out.tightness) = (radius as f32, falloff as f32, tightness as f32);
+        }
+    }
+    match l.fade {
+        Fade::Pov { distance, power } if power > 0.0 && distance != 0.0 => {
+            (out.fade_kind, out.fade_distance, out.fade_power) = (FADE_POV, distance as f32, power as f32);
+        }
+        Fade::InverseSquare => out.fade_kind = FADE_INVERSE_SQUARE,
+        _ => {}
+    }
+    flags |= if l.parallel { LIGHT_PARALLEL } else { 0 };
+    flags |= if l.shadowless { LIGHT_SHADOWLESS } else { 0 };
+    flags |= if l.media_attenuation && l.media_interaction { LIGHT_IN_AIR } else { 0 };
+    out.flags = flags;
+    out
+}

@@ -1,0 +1,126 @@
+//! Meshes for the GPU: corners of faces side by side, what hangs on corners, and all trees in one array of nodes.
+//! Twin: `shaders/shared/intersect_mesh.wesl`.
+
+use super::buffers::{append, bits, depth_of, outward};
+use super::texture_buffers::TextureWords;
+use crate::accel::{Accel, AccelOptions, KdTree, TrianglePrims};
+use crate::backend::BackendError;
+use crate::compile::shape::MeshShape;
+use crate::compile::{CompiledScene, NONE};
+use crate::math::{DVec3, Vec3};
+
+/// All meshes of a scene.
+#[derive(Default)]
+pub(super) struct MeshWords {
+    /// Nine numbers a face.
+    pub corners: Vec<f32>,
+    /// Normals, coordinates and covers of corners.
+    pub face_words: Vec<u32>,
+    /// Nodes of all trees; those of the scene come first.
+    pub nodes: Vec<[u32; 2]>,
+    /// References of all trees, likewise.
+    pub refs: Vec<u32>,
+    /// By mesh: its words in the scene's words.
+    pub places: Vec<u32>,
+    /// Deepest tree of a mesh.
+    pub depth: u32,
+    /// By mesh: first node, number of nodes, first reference, before those of the scene were known.
+    trees: Vec<[u32; 3]>,
+}
+
+/// Nodes and references of a tree over `n` primitives; one leaf where there is no tree.
+pub(super) fn kd_of(tree: &Accel, n: u32) -> (Vec<[u32; 2]>, Vec<u32>) {
+    match tree {
+        Accel::Kd(t) => (t.nodes.iter().map(|n| [n.split_or_first, n.meta]).collect(), t.refs.clone()),
+        Accel::Brute(_) => (vec![[0, n << 2 | 3]], (0..n).collect()),
+    }
+}
+
+/// Corners and trees of all meshes; their words go to `words`.
+pub(super) fn encode_meshes(scene: &CompiledScene, textures: &TextureWords, words: &mut Vec<u32>) -> Result<MeshWords, BackendError> {
+    let g = &scene.geometry;
+    let mut out = MeshWords::default();
+    let with_uv = scene.features.uv;
+    for shape in &g.shapes.meshes {
+        let (nodes, refs) = match &shape.tree {
+            Accel::Kd(_) => kd_of(&shape.tree, 0),
+            _ if shape.mesh.faces.len() > 16 => {
+                let prims = TrianglePrims { vertices: &shape.mesh.vertices, faces: &shape.mesh.faces };
+                kd_of(&Accel::Kd(KdTree::build(&prims, &AccelOptions::default())), 0)
+            }
+            _ => kd_of(&Accel::Brute(0), shape.mesh.faces.len() as u32),
+        };
+        out.depth = out.depth.max(depth_of(&nodes));
+        out.trees.push([out.nodes.len() as u32, nodes.len() as u32, out.refs.len() as u32]);
+        let first_face = (out.corners.len() / 9) as u32;
+        out.corners.extend(shape.corners.iter().flatten().flat_map(|c| c.to_array()));
+        out.nodes.extend(nodes);
+        out.refs.extend(refs);
+        let normals_at = encode_normals(shape, &mut out.face_words);
+        let uvs_at = if with_uv { encode_uvs(shape, &mut out.face_words) } else { 0 };
+        let covers_at = encode_covers(shape, textures, &mut out.face_words);
+        let (low, high) = outward(&shape.bounds);
+        let inside = shape.mesh.inside_vector.and_then(DVec3::try_normalize);
+        let mut w = vec![0, 0, 0, first_face, shape.corners.len() as u32];
+        w.extend(bits(low));
+        w.extend(bits(high));
+        w.extend([normals_at, uvs_at, covers_at, 0, u32::from(inside.is_some())]);
+        w.extend(bits(inside.unwrap_or(DVec3::X).as_vec3().to_array()));
+        out.places.push(append(words, w));
+    }
+    Ok(out)
+}
+
+impl MeshWords {
+    /// Puts the meshes' trees behind the scene's, and their places into the meshes' words.
+    pub fn behind(mut self, nodes: &mut Vec<[u32; 2]>, refs: &mut Vec<u32>, words: &mut [u32]) -> Self {
+        let (first_node, first_ref) = (nodes.len() as u32, refs.len() as u32);
+        for (place, [node, n, r]) in self.places.iter().zip(&self.trees) {
+            words[*place as usize..][..3].copy_from_slice(&[first_node + node, *n, first_ref + r]);
+        }
+        nodes.append(&mut self.nodes);
+        refs.append(&mut self.refs);
+        self
+    }
+}
+
+/// Three normals a face; zeros for flat ones.
+fn encode_normals(shape: &MeshShape, words: &mut Vec<u32>) -> u32 {
+    let m = &shape.mesh;
+    if m.normal_indices.is_empty() {
+        return 0;
+    }
+    let of = |k: u32| m.normals.get(k as usize).copied().unwrap_or(Vec3::ZERO);
+    let list = (0..m.faces.len()).flat_map(|face| {
+        let ix = m.normal_indices.get(face).filter(|n| n[0] != u32::MAX);
+        ix.map_or([Vec3::ZERO; 3], |ix| ix.map(of)).into_iter().flat_map(|n| bits(n.to_array()))
+    });
+    append(words, list)
+}
+
+fn encode_uvs(shape: &MeshShape, words: &mut Vec<u32>) -> u32 {
+    let m = &shape.mesh;
+    if m.uv_indices.is_empty() {
+        return 0;
+    }
+    let of = |k: u32| m.uvs.get(k as usize).copied().unwrap_or([0.0; 2]);
+    let list = (0..m.faces.len()).flat_map(|face| {
+        let ix = m.uv_indices.get(face).map_or([[0.0; 2]; 3], |ix| ix.map(of));
+        ix.into_iter().flat_map(bits)
+    });
+    append(words, list)
+}
+
+/// Three covers a face, 0 for the object's own.
+fn encode_covers(shape: &MeshShape, textures: &TextureWords, words: &mut Vec<u32>) -> u32 {
+    let m = &shape.mesh;
+    if m.face_textures.is_empty() {
+        return 0;
+    }
+    let record = |k: u32| match shape.textures.get(k as usize) {
+        Some(t) if *t != NONE => textures.textures[*t as usize],
+        _ => 0,
+    };
+    let list = (0..m.faces.len()).flat_map(|face| m.face_textures.get(face).map_or([0; 3], |c| c.map(record)));
+    append(words, list)
+}

@@ -1,0 +1,123 @@
+//! What the GPU declines. Everything here gives one line that names the feature; the caller renders on the CPU instead.
+//! UNSUPPORTED.md has the same list, under "GPU".
+
+use crate::backend::BackendError;
+use crate::compile::geometry::{PrimKind, prim_flags};
+use crate::compile::texture::TextureNode;
+use crate::compile::{CompiledScene, NONE};
+use crate::integrate::{IntegratorKind, RenderSettings};
+use crate::scene::Projection;
+
+/// Kinds of primitives that the shaders know, with the name of their feature.
+pub(super) const KINDS: &[(PrimKind, &str)] = &[
+    (PrimKind::Sphere, "sphere"),
+    (PrimKind::Box, "box"),
+    (PrimKind::Cylinder, "cylinder"),
+    (PrimKind::Cone, "cone"),
+    (PrimKind::Plane, "plane"),
+    (PrimKind::Disc, "disc"),
+    (PrimKind::Torus, "torus"),
+    (PrimKind::Triangle, "triangle"),
+    (PrimKind::Mesh, "mesh"),
+    (PrimKind::BicubicPatch, "mesh"),
+];
+
+/// Refuses what cannot be rendered here.
+pub(super) fn check(scene: &CompiledScene, settings: &RenderSettings) -> Result<(), BackendError> {
+    match first_obstacle(scene, settings) {
+        Some(what) => Err(BackendError::Unsupported(what)),
+        None => Ok(()),
+    }
+}
+
+fn first_obstacle(scene: &CompiledScene, settings: &RenderSettings) -> Option<String> {
+    let f = &scene.features;
+    if settings.integrator != IntegratorKind::Classic {
+        return Some("path tracing".into());
+    }
+    if let Some(p) = scene.geometry.prims.iter().find(|p| !KINDS.iter().any(|(k, _)| *k == p.kind)) {
+        return Some(format!("{} objects", object_name(p.kind)));
+    }
+    let listed = [
+        (scene.options.quality < 9, "quality levels below 9"),
+        (f.media, "media"),
+        (f.rainbow, "rainbows"),
+        (f.radiosity, "radiosity"),
+        (f.subsurface, "subsurface light"),
+        (f.crand, "crand"),
+        (f.dispersion, "dispersion"),
+        (f.principled, "imported materials"),
+        (scene.lights.iter().any(|l| l.light.area.is_some()), "area lights"),
+        (scene.lights.iter().any(|l| l.light.radius > 0.0), "lights with a radius"),
+        (scene.lights.iter().any(|l| l.projected_through != NONE), "lights that are projected through objects"),
+        (scene.textures.finishes.iter().any(|f| f.reflection.exponent != 1.0), "reflection_exponent"),
+        (scene.camera_normal != NONE, "normals of cameras"),
+        (scene.camera.blur.as_ref().is_some_and(|b| b.aperture != 0.0 && b.max_samples > 0), "focal blur"),
+        (!matches!(scene.camera.projection, Projection::Perspective | Projection::Orthographic), "curved and mesh cameras"),
+        (nested_bounds(scene), "bounded_by inside bounded_by"),
+        (scene.geometry.shapes.meshes.iter().any(|m| !m.mesh.colors.is_empty()), "vertex colours"),
+    ];
+    listed.iter().find(|(holds, _)| *holds).map(|(_, what)| (*what).to_owned())
+}
+
+/// Whether the objects that bound others are bounded themselves.
+fn nested_bounds(scene: &CompiledScene) -> bool {
+    let g = &scene.geometry;
+    g.bounding_objects.iter().any(|o| g.objects[*o as usize].prims.clone().any(|p| g.prims[p as usize].flags & prim_flags::BOUNDED != 0))
+}
+
+fn object_name(kind: PrimKind) -> &'static str {
+    match kind {
+        PrimKind::Polygon => "polygon",
+        PrimKind::Quadric => "quadric",
+        PrimKind::Poly => "poly",
+        PrimKind::Blob => "blob",
+        PrimKind::Lathe => "lathe",
+        PrimKind::Sor => "sor",
+        PrimKind::Prism => "prism",
+        PrimKind::SphereSweep => "sphere_sweep",
+        PrimKind::Superellipsoid => "superellipsoid",
+        PrimKind::Ovus => "ovus",
+        PrimKind::JuliaFractal => "julia_fractal",
+        PrimKind::HeightField => "height_field",
+        PrimKind::Isosurface => "isosurface",
+        PrimKind::Parametric => "parametric",
+        PrimKind::Glyph => "text",
+        _ => "unknown",
+    }
+}
+
+/// How much a hit may ask for, over all covers and layers of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct FanOut {
+    /// Plain textures.
+    pub leaves: u32,
+    /// Layers of them all.
+    pub layers: u32,
+    /// Most layers of one.
+    pub deepest: u32,
+}
+
+/// The most that texture `ix` asks for at a point.
+pub(super) fn fan_out(scene: &CompiledScene, ix: u32) -> FanOut {
+    let t = &scene.textures;
+    let entries = |start: u32, len: u32| t.texture_entries[start as usize..][..len as usize].iter().map(|e| fan_out(scene, e.1));
+    let most = |list: &mut dyn Iterator<Item = FanOut>, times: u32| {
+        list.fold(FanOut::default(), |a, b| FanOut {
+            leaves: a.leaves.max(b.leaves * times),
+            layers: a.layers.max(b.layers * times),
+            deepest: a.deepest.max(b.deepest),
+        })
+    };
+    match t.textures[ix as usize] {
+        TextureNode::Layers { len, .. } => FanOut { leaves: 1, layers: len, deepest: len },
+        TextureNode::Principled(_) => FanOut { leaves: 1, layers: 1, deepest: 1 },
+        TextureNode::Map { start, len, .. } => most(&mut entries(start, len), 2),
+        TextureNode::MaterialMap { start, len, .. } => most(&mut entries(start, len), 1),
+        TextureNode::Average { start, len, .. } => entries(start, len).fold(FanOut::default(), |a, b| FanOut {
+            leaves: a.leaves + b.leaves,
+            layers: a.layers + b.layers,
+            deepest: a.deepest.max(b.deepest),
+        }),
+    }
+}

@@ -1,0 +1,242 @@
+//! The wavefront: rays wait in a queue, each step takes a batch off its end through trace, shade and shadow, and puts the rays that the
+//! hits sent on in its place. Last in, first out: the queue grows by a few rays a level, not by the whole picture.
+//!
+//! Stages: `generate_rays`, then until the queue is empty `trace_closest`, `shade`, and until no light is in question `trace_shadow`,
+//! `filter_shadow`.
+
+use super::buffers::{FAULT_INTERIORS, SceneBuffers};
+use super::device::{Gpu, binding_layout, uniform_layout};
+use super::layout::{Batch, Counters, Hit, Ray, ShadowRay};
+use super::shader::assemble;
+use crate::backend::BackendError;
+use bytemuck::{Pod, bytes_of, cast_slice};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Most samples that are traced at once. 64 bytes a ray and more: a few hundred megabytes of queues.
+const MAX_SAMPLES: u32 = 1 << 18;
+/// A software device has its cores busy with far fewer, and smaller steps can be cancelled sooner.
+const MAX_SAMPLES_SOFTWARE: u32 = 1 << 15;
+/// Rays in the queue for every sample.
+const QUEUE_DEPTH: u32 = 4;
+/// Steps that take longer are made smaller: drivers end what runs for two seconds.
+const LONG_STEP: Duration = Duration::from_millis(400);
+
+/// Pipelines of the stages.
+struct Stages {
+    generate_rays: wgpu::ComputePipeline,
+    trace_closest: wgpu::ComputePipeline,
+    shade: wgpu::ComputePipeline,
+    trace_shadow: wgpu::ComputePipeline,
+    filter_shadow: Option<wgpu::ComputePipeline>,
+}
+
+/// A scene on a device, ready to trace samples.
+pub(super) struct Wavefront<'g> {
+    gpu: &'g Gpu,
+    stages: Stages,
+    /// Group 0 with the shadow queues as they are, and with the two of them swapped.
+    groups: [wgpu::BindGroup; 2],
+    tables: wgpu::BindGroup,
+    batch: wgpu::Buffer,
+    rays: wgpu::Buffer,
+    children: wgpu::Buffer,
+    counters: wgpu::Buffer,
+    radiance: wgpu::Buffer,
+    positions: wgpu::Buffer,
+    /// Samples that can be traced at once.
+    pub max_samples: u32,
+    max_children: u32,
+    queue_len: u32,
+    max_batch: u32,
+}
+
+/// Bytes of `n` structs.
+fn bytes<T: Pod>(n: u32) -> u64 {
+    u64::from(n) * size_of::<T>() as u64
+}
+
+impl<'g> Wavefront<'g> {
+    /// Uploads a scene and makes its pipelines.
+    pub fn new(gpu: &'g Gpu, scene: &SceneBuffers) -> Result<Self, BackendError> {
+        let most = if gpu.info.device_type == wgpu::DeviceType::Cpu { MAX_SAMPLES_SOFTWARE } else { MAX_SAMPLES };
+        let fitting = gpu.max_binding() / (u64::from(QUEUE_DEPTH) * size_of::<Ray>() as u64);
+        let max_samples = most.min(fitting.min(u64::from(u32::MAX)) as u32).max(1024);
+        let queue_len = max_samples * QUEUE_DEPTH;
+        let max_shadows = (2 * max_samples).max(scene.max_shadows);
+        let n_children = (2 * max_samples).max(scene.max_children);
+        let storage = |what: &str, bytes: &[u8]| gpu.storage_buffer(what, bytes);
+        let params = gpu.uniform_buffer("scene parameters", bytes_of(&scene.params));
+        let batch = gpu.uniform_buffer("batch", bytes_of(&Batch::default()));
+        let fixed = [
+            storage("primitives", cast_slice(&scene.prims))?,
+            storage("transforms", cast_slice(&scene.transforms))?,
+            storage("scene words", cast_slice(&scene.words))?,
+            storage("tree nodes", cast_slice(&scene.meshes.nodes))?,
+            storage("tree references", cast_slice(&scene.meshes.refs))?,
+            storage("triangles", cast_slice(&scene.meshes.corners))?,
+            storage("triangle attributes", cast_slice(&scene.meshes.face_words))?,
+            storage("finishes", cast_slice(&scene.finishes))?,
+            storage("lights", cast_slice(&scene.lights))?,
+            storage("interiors", cast_slice(&scene.interiors))?,
+        ];
+        let rays = gpu.empty_buffer("rays", bytes::<Ray>(queue_len))?;
+        let hits = gpu.empty_buffer("hits", bytes::<Hit>(max_samples.max(max_shadows)))?;
+        let children = gpu.empty_buffer("new rays", bytes::<Ray>(n_children))?;
+        let shadows = [0, 1].map(|_| gpu.empty_buffer("shadow rays", bytes::<ShadowRay>(max_shadows)));
+        let [a, b] = shadows;
+        let (a, b) = (a?, b?);
+        let counters = gpu.empty_buffer("counters", bytes::<Counters>(1))?;
+        let radiance = gpu.empty_buffer("radiance", bytes::<[f32; 4]>(max_samples))?;
+        let positions = gpu.empty_buffer("positions", bytes::<[f32; 2]>(max_samples))?;
+
+        let mut entries = vec![uniform_layout(0), uniform_layout(1)];
+        entries.extend((2..12).map(|k| binding_layout(k, false)));
+        entries.extend((12..19).map(|k| binding_layout(k, true)));
+        entries.push(binding_layout(19, false));
+        let scene_layout = gpu.group_layout("scene", &entries);
+        let table_layout = gpu.group_layout("tables", &[binding_layout(0, false), binding_layout(1, false)]);
+        let group = |a: &wgpu::Buffer, b: &wgpu::Buffer| {
+            let mut list: Vec<&wgpu::Buffer> = vec![&params, &batch];
+            list.extend(&fixed);
+            list.extend([&rays, &hits, &children, a, b, &counters, &radiance, &positions]);
+            let numbered: Vec<(u32, &wgpu::Buffer)> = (0..).zip(list).collect();
+            gpu.bind_group(&scene_layout, &numbered)
+        };
+        let groups = [group(&a, &b), group(&b, &a)];
+        let words = storage("texture words", cast_slice(&scene.textures.words))?;
+        let images = storage("image words", cast_slice(&scene.textures.image_words))?;
+        let tables = gpu.bind_group(&table_layout, &[(0, &words), (1, &images)]);
+        let stage = |name: &str| {
+            let mut options = scene.options.clone();
+            options.feature_if("shadow_rays", name == "trace_shadow");
+            gpu.compute_pipeline(name, &assemble(name, &options)?, name, &[&scene_layout, &table_layout])
+        };
+        let stages = Stages {
+            generate_rays: stage("generate_rays")?,
+            trace_closest: stage("trace_closest")?,
+            shade: stage("shade")?,
+            trace_shadow: stage("trace_shadow")?,
+            filter_shadow: if scene.transparency { Some(stage("filter_shadow")?) } else { None },
+        };
+        // No batch may send on more than the queues hold.
+        let max_batch = max_samples.min(n_children / scene.max_children.max(1)).min(max_shadows / scene.max_shadows.max(1)).max(1);
+        let max_children = scene.max_children;
+        Ok(Self {
+            gpu,
+            stages,
+            groups,
+            tables,
+            batch,
+            rays,
+            children,
+            counters,
+            radiance,
+            positions,
+            max_samples,
+            max_children,
+            queue_len,
+            max_batch,
+        })
+    }
+
+    /// Red, green, blue, transmit seen at up to `max_samples` picture positions; `None` when cancelled.
+    pub fn trace(&mut self, positions: &[[f32; 2]], cancel: &AtomicBool) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
+        let n = positions.len() as u32;
+        assert!(n <= self.max_samples, "the caller cuts its samples into batches");
+        if n == 0 {
+            return Ok(Some(Vec::new()));
+        }
+        self.gpu.queue.write_buffer(&self.positions, 0, cast_slice(positions));
+        self.set_batch(0, n, 0);
+        let mut encoder = self.encoder();
+        encoder.clear_buffer(&self.radiance, 0, Some(bytes::<[f32; 4]>(n)));
+        self.run(&mut encoder, &self.stages.generate_rays, 0, n);
+        self.gpu.queue.submit([encoder.finish()]);
+        let mut pending = n;
+        while pending > 0 {
+            if cancel.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            pending = self.step(pending)?;
+        }
+        let found = self.gpu.submit_and_read(self.encoder(), &self.radiance, 0, bytes::<[f32; 4]>(n))?;
+        let mut samples: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&found);
+        // As the CPU has it: what is not a number is black.
+        for s in samples.iter_mut().filter(|s| !s[..3].iter().all(|v| v.is_finite())) {
+            s[..3].fill(0.0);
+        }
+        Ok(Some(samples))
+    }
+
+    /// Takes a batch off the end of `pending` rays; gives how many are in the queue afterwards.
+    fn step(&mut self, pending: u32) -> Result<u32, BackendError> {
+        let start = Instant::now();
+        // A batch of n takes n rays away and may bring max_children * n.
+        let room = (self.queue_len - pending) / self.max_children.saturating_sub(1).max(1);
+        let n = pending.min(self.max_batch).min(room.max(1));
+        let first = pending - n;
+        self.set_batch(first, n, 0);
+        self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
+        let mut encoder = self.encoder();
+        self.run(&mut encoder, &self.stages.trace_closest, 0, n);
+        self.run(&mut encoder, &self.stages.shade, 0, n);
+        let counters = self.read_counters(encoder)?;
+        self.shadow_steps(counters.n_shadows)?;
+        let n_children = counters.n_children;
+        if u64::from(first) + u64::from(n_children) > u64::from(self.queue_len) {
+            return Err(BackendError::Unsupported("more rays in flight than the queue holds".into()));
+        }
+        if n_children > 0 {
+            let mut encoder = self.encoder();
+            encoder.copy_buffer_to_buffer(&self.children, 0, &self.rays, bytes::<Ray>(first), bytes::<Ray>(n_children));
+            self.gpu.queue.submit([encoder.finish()]);
+        }
+        if start.elapsed() > LONG_STEP {
+            self.max_batch = (n / 2).max(1024).min(self.max_batch);
+        }
+        Ok(first + n_children)
+    }
+
+    /// Follows `n` shadow rays, and those that go on behind clear surfaces, to their ends.
+    fn shadow_steps(&self, n: u32) -> Result<(), BackendError> {
+        let (mut n, mut side) = (n, 0);
+        while n > 0 {
+            self.set_batch(0, 0, n);
+            let mut encoder = self.encoder();
+            self.run(&mut encoder, &self.stages.trace_shadow, side, n);
+            let Some(filter) = &self.stages.filter_shadow else {
+                self.gpu.queue.submit([encoder.finish()]);
+                break;
+            };
+            self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
+            self.run(&mut encoder, filter, side, n);
+            n = self.read_counters(encoder)?.n_shadows_out;
+            side = 1 - side;
+        }
+        Ok(())
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    fn run(&self, encoder: &mut wgpu::CommandEncoder, stage: &wgpu::ComputePipeline, side: usize, n: u32) {
+        self.gpu.dispatch(encoder, stage, &[&self.groups[side], &self.tables], n);
+    }
+
+    /// What the next submission works on.
+    fn set_batch(&self, first: u32, n: u32, n_shadows: u32) {
+        self.gpu.queue.write_buffer(&self.batch, 0, bytes_of(&Batch { first, n, n_shadows, padding: 0 }));
+    }
+
+    fn read_counters(&self, encoder: wgpu::CommandEncoder) -> Result<Counters, BackendError> {
+        let bytes = self.gpu.submit_and_read(encoder, &self.counters, 0, size_of::<Counters>() as u64)?;
+        let counters: Counters = bytemuck::pod_read_unaligned(&bytes);
+        match counters.fault {
+            0 => Ok(counters),
+            FAULT_INTERIORS => Err(BackendError::Unsupported("rays inside more than eight objects".into())),
+            _ => Err(BackendError::Unsupported("hits that send on more rays than was foreseen".into())),
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! The GPU against the f64 CPU renderer on the scenes of `tests/scenes/`: 99.5 % of the pixels within 2/255, or declined by name.
+//! Skipped with a line where no adapter exists, unless `RAYLOOM_REQUIRE_GPU=1`.
+#![cfg(feature = "gpu")]
+
+use rayloom::backend::cpu::CpuBackend;
+use rayloom::backend::gpu::{GpuBackend, GpuOptions};
+use rayloom::backend::{Backend, BackendError, Progress};
+use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
+use rayloom::diag::{Sink, SourceMap};
+use rayloom::film::Film;
+use rayloom::integrate::{Antialias, IntegratorKind, RenderSettings};
+use rayloom::kernel::query::KernelQuery;
+use rayloom::lang::{LangOptions, parse_scene};
+use rayloom::world::DiskWorld;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+/// Share of pixels that must be near.
+const SHARE_WITHIN: f64 = 0.995;
+/// Largest difference of a near pixel, of 255.
+const NEAR: f32 = 2.0;
+const SIZE: [u32; 2] = [128, 96];
+
+/// Scenes that the GPU declines, with a part of what it says; one that it renders must leave this list.
+const DECLINED: &[(&str, &str)] = &[
+    ("atmosphere/rainbow", "rainbows"),
+    ("camera/cylinder1", "curved and mesh cameras"),
+    ("camera/cylinder2", "curved and mesh cameras"),
+    ("camera/cylinder3", "curved and mesh cameras"),
+    ("camera/cylinder4", "curved and mesh cameras"),
+    ("camera/fisheye", "curved and mesh cameras"),
+    ("camera/focal_blur", "focal blur"),
+    ("camera/normal", "normals of cameras"),
+    ("camera/omnimax", "curved and mesh cameras"),
+    ("camera/panoramic", "curved and mesh cameras"),
+    ("camera/spherical", "curved and mesh cameras"),
+    ("camera/ultra_wide_angle", "curved and mesh cameras"),
+    ("finish/dispersion", "dispersion"),
+    ("lights/area", "area lights"),
+    ("lights/circular", "area lights"),
+    ("lights/projected_through", "projected through"),
+    ("objects/blob", "blob"),
+    ("objects/height_field", "height_field"),
+    ("objects/height_field_smooth", "height_field"),
+    ("objects/isosurface", "isosurface"),
+    ("objects/isosurface_box", "isosurface"),
+    ("objects/julia_fractal", "julia_fractal"),
+    ("objects/lathe", "lathe"),
+    ("objects/ovus", "ovus"),
+    ("objects/parametric", "parametric"),
+    ("objects/poly", "poly"),
+    ("objects/polygon", "polygon"),
+    ("objects/prism", "prism"),
+    ("objects/quadric", "quadric"),
+    ("objects/sor", "sor"),
+    ("objects/sphere_sweep", "sphere_sweep"),
+    ("objects/superellipsoid", "superellipsoid"),
+    ("objects/text", "text"),
+    ("textures/object_pattern", "object"),
+];
+
+struct Silent;
+impl Progress for Silent {
+    fn pixels(&self, _: u64, _: u64) {}
+}
+
+fn gpu() -> Option<GpuBackend> {
+    match GpuBackend::new(&GpuOptions { accept_software: true, ..GpuOptions::default() }) {
+        Ok(gpu) => Some(gpu),
+        Err(e) if std::env::var_os("RAYLOOM_REQUIRE_GPU").is_some_and(|v| v == "1") => panic!("RAYLOOM_REQUIRE_GPU is set: {e}"),
+        Err(e) => {
+            println!("skipped: {e}");
+            None
+        }
+    }
+}
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/scenes")
+}
+
+fn compile(name: &str, text: &str) -> CompiledScene {
+    let dir = folder();
+    let area = dir.join(name).parent().map(PathBuf::from).unwrap_or_default();
+    let library_paths = vec![area, PathBuf::from("/usr/share/povray-3.7/include")];
+    let world = DiskWorld { current_dir: dir, library_paths, ..DiskWorld::default() };
+    let (mut map, mut sink) = (SourceMap::default(), Sink::default());
+    let options = LangOptions { width: SIZE[0], height: SIZE[1], ..LangOptions::default() };
+    let parsed = parse_scene(&format!("{name}.pov"), text.as_bytes(), &world, &KernelQuery::new(), &options, &mut map, &mut sink);
+    assert!(!sink.has_errors(), "{name}: {:?}", sink.items());
+    compile_scene(parsed.scene.as_ref().expect("a scene"), &CompileOptions::default(), &mut sink).expect("compiles")
+}
+
+fn settings(antialias: Option<Antialias>) -> RenderSettings {
+    RenderSettings {
+        width: SIZE[0],
+        height: SIZE[1],
+        crop: [0, 0, SIZE[0], SIZE[1]],
+        antialias,
+        samples: 0..1,
+        integrator: IntegratorKind::Classic,
+        threads: 2,
+        seed: 0,
+        output_alpha: false,
+        block_size: 32,
+    }
+}
+
+fn render(backend: &dyn Backend, scene: &CompiledScene, settings: &RenderSettings) -> Result<Film, BackendError> {
+    let mut film = Film::new(settings.width, settings.height);
+    backend.render(scene, settings, &mut film, &Silent, &AtomicBool::new(false))?;
+    assert!(film.samples.iter().all(|n| *n > 0), "every pixel is rendered");
+    Ok(film)
+}
+
+/// As a picture file would have it: sRGB, 0..255, not rounded.
+fn encoded(v: f32) -> f32 {
+    let v = v.clamp(0.0, 1.0);
+    255.0 * if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Share of near pixels; 0 when sizes differ.
+fn share_within(a: &Film, b: &Film) -> f64 {
+    if (a.width, a.height) != (b.width, b.height) {
+        return 0.0;
+    }
+    let near = |p: &[f32; 4], q: &[f32; 4]| (0..3).all(|k| (encoded(p[k]) - encoded(q[k])).abs() <= NEAR);
+    a.pixels.iter().zip(&b.pixels).filter(|(p, q)| near(p, q)).count() as f64 / a.pixels.len() as f64
+}
+
+fn save(film: &Film, name: &str) {
+    let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("target/gpu");
+    let _ = std::fs::create_dir_all(&dir);
+    let picture = image::RgbImage::from_fn(film.width, film.height, |x, y| {
+        let p = film.pixels[film.index(x, y)];
+        image::Rgb([0, 1, 2].map(|k| encoded(p[k]).round() as u8))
+    });
+    let _ = picture.save(dir.join(format!("{}.png", name.replace('/', "-"))));
+}
+
+fn scene_names() -> Vec<String> {
+    let mut names = Vec::new();
+    for area in std::fs::read_dir(folder()).expect("tests/scenes") {
+        let area = area.expect("a readable folder").path();
+        for scene in std::fs::read_dir(&area).expect("a folder of scenes") {
+            let path = scene.expect("a readable folder").path();
+            if path.extension().is_some_and(|e| e == "pov") {
+                names.push(path.strip_prefix(folder()).expect("inside").with_extension("").display().to_string());
+            }
+        }
+    }
+    names.sort();
+    names
+}
+
+/// What the scene's first line asks for, of antialiasing.
+fn antialias_of(text: &str) -> Option<Antialias> {
+    let options = text.lines().find_map(|l| l.strip_prefix("// options: "))?;
+    let mut aa = Antialias { method: 1, threshold: 0.3, depth: 3, jitter: 0.0, gamma: 1.0 };
+    let mut on = false;
+    for word in options.split_whitespace() {
+        if let Some(v) = word.strip_prefix("+AM") {
+            (on, aa.method) = (true, v.parse().unwrap_or(1));
+        } else if let Some(v) = word.strip_prefix("+A") {
+            (on, aa.threshold) = (true, v.parse().unwrap_or(0.3));
+        } else if let Some(v) = word.strip_prefix("+R") {
+            aa.depth = v.parse().unwrap_or(3);
+        } else if let Some(v) = word.strip_prefix("+J") {
+            aa.jitter = v.parse().unwrap_or(1.0);
+        }
+    }
+    on.then_some(aa)
+}
+
+#[test]
+fn pictures_agree_with_the_cpus() {
+    let Some(gpu) = gpu() else { return };
+    let only = std::env::var("RAYLOOM_GPU_SCENE").unwrap_or_default();
+    let (mut bad, mut declined, mut n) = (Vec::new(), Vec::new(), 0);
+    for name in scene_names().iter().filter(|n| n.contains(&only)) {
+        let text = std::fs::read_to_string(folder().join(format!("{name}.pov"))).expect("a readable scene");
+        let scene = compile(name, &text);
+        let settings = settings(antialias_of(&text));
+        let start = std::time::Instant::now();
+        let ours = match render(&gpu, &scene, &settings) {
+            Ok(film) => film,
+            Err(BackendError::Unsupported(what)) => {
+                declined.push((name.clone(), what));
+                continue;
+            }
+            Err(e) => {
+                bad.push(format!("{name}: {e}"));
+                continue;
+            }
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        let gold = render(&CpuBackend::new(2), &scene, &settings).expect("the CPU renders everything");
+        let share = share_within(&ours, &gold);
+        n += 1;
+        println!("{name}: {:.2} % within {NEAR}/255, {seconds:.2} s", 100.0 * share);
+        if share < SHARE_WITHIN {
+            save(&ours, &format!("{name}.gpu"));
+            save(&gold, &format!("{name}.cpu"));
+            bad.push(format!("{name}: {:.2} %", 100.0 * share));
+        }
+    }
+    println!("{n} rendered, {} declined", declined.len());
+    for (name, what) in &declined {
+        println!("declined {name}: {what}");
+        if !DECLINED.iter().any(|(n, part)| n == name && what.contains(part)) {
+            bad.push(format!("{name}: declined ({what}), which is not foreseen"));
+        }
+    }
+    for (name, _) in DECLINED.iter().filter(|(n, _)| n.contains(&only) && !declined.iter().any(|(d, _)| d == n)) {
+        bad.push(format!("{name}: rendered now; take it off DECLINED"));
+    }
+    assert!(bad.is_empty(), "{} scenes differ (see target/gpu):\n{}", bad.len(), bad.join("\n"));
+}
+
+#[test]
+fn the_comparison_tells_different_pictures_apart() {
+    let mut grey = Film::new(20, 10);
+    grey.pixels.fill([0.5, 0.5, 0.5, 0.0]);
+    let mut changed = grey.clone();
+    (0..2).for_each(|k| changed.pixels[k][1] += 0.02);
+    assert_eq!(share_within(&grey, &grey), 1.0);
+    assert_eq!(share_within(&grey, &changed), 0.99);
+    assert!(share_within(&grey, &changed) < SHARE_WITHIN);
+    assert_eq!(share_within(&grey, &Film::new(10, 20)), 0.0);
+}
+
+#[test]
+fn the_gpus_picture_is_its_own() {
+    let Some(gpu) = gpu() else { return };
+    let text = "#version 3.7; global_settings { assumed_gamma 1 } camera { location -5*z } light_source { <3, 4, -5> rgb 1 }
+        sphere { 0, 1 pigment { rgb <0.9, 0.4, 0.2> } finish { phong 0.6 } }";
+    let scene = compile("own", text);
+    let (ours, gold) = (render(&gpu, &scene, &settings(None)), render(&CpuBackend::new(2), &scene, &settings(None)));
+    let (ours, gold) = (ours.expect("renders"), gold.expect("renders"));
+    assert!(share_within(&ours, &gold) >= SHARE_WITHIN);
+    // Numbers of 32 bits do not come out as those of 64 bits do.
+    let same = ours.pixels.iter().zip(&gold.pixels).filter(|(a, b)| a == b && a[..3] != [0.0; 3]).count();
+    let lit = gold.pixels.iter().filter(|p| p[..3] != [0.0; 3]).count();
+    assert!(lit > 500 && same < lit / 2, "{same} of {lit} lit pixels are the same to the bit");
+    assert!(!gpu.name().starts_with("CPU"), "{}", gpu.name());
+}
