@@ -327,7 +327,8 @@ mod tests {
 
     #[test]
     fn blocks_that_learn_their_samples_in_batches_come_out_the_same() {
-        let scene = |x: f64, y: f64| [((x * 0.7).sin() * (y * 0.9).cos()) as f32, (x * y * 0.05).sin() as f32, (x - y).abs() as f32 * 0.1, 0.0];
+        let scene =
+            |x: f64, y: f64| [((x * 0.7).sin() * (y * 0.9).cos()) as f32, (x * y * 0.05).sin() as f32, (x - y).abs() as f32 * 0.1, 0.0];
         let block = [3, 5, 19, 17];
         for method in [1, 2] {
             for jitter in [0.0, 0.7] {

@@ -336,13 +336,7 @@ fn encode_fogs(scene: &CompiledScene, words: &mut Vec<u32>) -> u32 {
     append(words, std::iter::once(scene.fogs.len() as u32).chain(fogs))
 }
 
-fn encode_prims(
-    scene: &CompiledScene,
-    plan: &ScenePlan,
-    textures: &TextureWords,
-    meshes: &MeshWords,
-    words: &mut Vec<u32>,
-) -> Vec<Prim> {
+fn encode_prims(scene: &CompiledScene, plan: &ScenePlan, textures: &TextureWords, meshes: &MeshWords, words: &mut Vec<u32>) -> Vec<Prim> {
     let g = &scene.geometry;
     let texture = |ix: u32| if ix == NONE { 0 } else { textures.textures[ix as usize] };
     let surfaces: Vec<u32> =
