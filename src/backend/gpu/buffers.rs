@@ -2,7 +2,7 @@
 //! Twin of the bindings: `shaders/shared/bindings.wesl`.
 
 use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
-use super::mesh_buffers::{MeshWords, encode_meshes, kd_of};
+use super::mesh_buffers::{Boxes, MeshWords, encode_meshes, kd_of};
 use super::shader::ShaderOptions;
 use super::support::{FanOut, KINDS, fan_out};
 use super::texture_buffers::{TextureRoots, TextureWords, encode_textures};
@@ -97,7 +97,7 @@ impl SceneBuffers {
             params.sky_emission = sky.emission.to_array();
             params.sky_transform_ix = sky.transform_ix;
         }
-        let (nodes, refs) = kd_of(&g.tree, g.bounded.len() as u32);
+        let (nodes, refs) = kd_of(&g.tree, &Boxes(&g.bounds, &g.bounded));
         let mut tree_nodes = nodes;
         let mut tree_refs: Vec<u32> = refs.iter().map(|k| g.bounded[*k as usize]).collect();
         params.n_bounded = g.bounded.len() as u32;

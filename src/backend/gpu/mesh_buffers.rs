@@ -3,11 +3,11 @@
 
 use super::buffers::{append, bits, depth_of, outward};
 use super::texture_buffers::TextureWords;
-use crate::accel::{Accel, AccelOptions, KdTree, TrianglePrims};
+use crate::accel::{Accel, AccelOptions, KdTree, PrimSet, TrianglePrims};
 use crate::backend::BackendError;
 use crate::compile::shape::MeshShape;
 use crate::compile::{CompiledScene, NONE};
-use crate::math::{DVec3, Vec3};
+use crate::math::{Bounds, DVec3, Vec3};
 
 /// All meshes of a scene.
 #[derive(Default)]
@@ -28,11 +28,29 @@ pub(super) struct MeshWords {
     trees: Vec<[u32; 3]>,
 }
 
-/// Nodes and references of a tree over `n` primitives; one leaf where there is no tree.
-pub(super) fn kd_of(tree: &Accel, n: u32) -> (Vec<[u32; 2]>, Vec<u32>) {
+/// Nodes and references of the kd-tree over `prims`, of which `tree` is one if it is a kd-tree; one leaf for a few primitives.
+pub(super) fn kd_of(tree: &Accel, prims: &impl PrimSet) -> (Vec<[u32; 2]>, Vec<u32>) {
+    let words = |t: &KdTree| (t.nodes.iter().map(|n| [n.split_or_first, n.meta]).collect(), t.refs.clone());
     match tree {
-        Accel::Kd(t) => (t.nodes.iter().map(|n| [n.split_or_first, n.meta]).collect(), t.refs.clone()),
-        Accel::Brute(_) => (vec![[0, n << 2 | 3]], (0..n).collect()),
+        Accel::Kd(t) => words(t),
+        Accel::Brute(n) if *n as usize <= ONE_LEAF => (vec![[0, n << 2 | 3]], (0..*n).collect()),
+        Accel::Brute(_) | Accel::Bvh(_) => words(&KdTree::build(prims, &AccelOptions::default())),
+    }
+}
+
+/// Primitives that need no tree.
+const ONE_LEAF: usize = 16;
+
+/// Primitives known by their boxes alone.
+pub(super) struct Boxes<'b>(pub &'b [Bounds], pub &'b [u32]);
+
+impl PrimSet for Boxes<'_> {
+    fn len(&self) -> usize {
+        self.1.len()
+    }
+
+    fn bounds(&self, prim_ix: usize) -> Bounds {
+        self.0[self.1[prim_ix] as usize]
     }
 }
 
@@ -42,18 +60,12 @@ pub(super) fn encode_meshes(scene: &CompiledScene, textures: &TextureWords, word
     let mut out = MeshWords::default();
     let with_uv = scene.features.uv;
     for shape in &g.shapes.meshes {
-        let (nodes, refs) = match &shape.tree {
-            Accel::Kd(_) => kd_of(&shape.tree, 0),
-            _ if shape.mesh.faces.len() > 16 => {
-                let prims = TrianglePrims { vertices: &shape.mesh.vertices, faces: &shape.mesh.faces };
-                kd_of(&Accel::Kd(KdTree::build(&prims, &AccelOptions::default())), 0)
-            }
-            _ => kd_of(&Accel::Brute(0), shape.mesh.faces.len() as u32),
-        };
+        let m = &shape.mesh;
+        let (nodes, refs) = kd_of(&shape.tree, &TrianglePrims { vertices: &m.vertices, faces: &m.faces });
         out.depth = out.depth.max(depth_of(&nodes));
         out.trees.push([out.nodes.len() as u32, nodes.len() as u32, out.refs.len() as u32]);
         let first_face = (out.corners.len() / 9) as u32;
-        out.corners.extend(shape.corners.iter().flatten().flat_map(|c| c.to_array()));
+        out.corners.extend(m.faces.iter().flatten().flat_map(|v| m.vertices[*v as usize].to_array()));
         out.nodes.extend(nodes);
         out.refs.extend(refs);
         let normals_at = encode_normals(shape, &mut out.face_words);
@@ -61,7 +73,7 @@ pub(super) fn encode_meshes(scene: &CompiledScene, textures: &TextureWords, word
         let covers_at = encode_covers(shape, textures, &mut out.face_words);
         let (low, high) = outward(&shape.bounds);
         let inside = shape.mesh.inside_vector.and_then(DVec3::try_normalize);
-        let mut w = vec![0, 0, 0, first_face, shape.corners.len() as u32];
+        let mut w = vec![0, 0, 0, first_face, m.faces.len() as u32];
         w.extend(bits(low));
         w.extend(bits(high));
         w.extend([normals_at, uvs_at, covers_at, 0, u32::from(inside.is_some())]);
