@@ -219,3 +219,33 @@ fn vertex_colours_tint_the_surface() {
     let film = render(&f.scene("a.glb"));
     near(pixel(&film, 11, 4), [3.5 / 16.0, 11.5 / 16.0, 0.0], 0.01);
 }
+
+#[test]
+fn many_shining_balls_light_a_plane_as_balls_do() {
+    // 40 octahedra of "radius" 0.1 along a line, all at one place by symmetry of the test: their light adds up.
+    let mut d = Data::default();
+    let (p, i) = (d.floats("VEC3", 3, &SQUARE), d.indices(&[0, 1, 2, 0, 2, 3]));
+    let ball = d.floats("VEC3", 3, &[1., 0., 0., -1., 0., 0., 0., 1., 0., 0., -1., 0., 0., 0., 1., 0., 0., -1.]);
+    let faces = d.indices(&[0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5]);
+    let n = 40;
+    let balls: Vec<String> = (0..n)
+        .map(|k| {
+            let angle = 2.0 * PI * f64::from(k) / f64::from(n);
+            let (y, x) = angle.sin_cos();
+            format!(r#"{{"mesh":1,"scale":[0.1,0.1,0.1],"translation":[{},{},3]}}"#, 0.53125 + 4.0 * x, 0.46875 + 4.0 * y)
+        })
+        .collect();
+    let bytes = d.glb(&format!(
+        r#","materials":[{DULL},{{"pbrMetallicRoughness":{{"baseColorFactor":[0,0,0,1]}},"emissiveFactor":[1,1,1]}}],"meshes":[
+        {{"primitives":[{{"attributes":{{"POSITION":{p}}},"indices":{i},"material":0}}]}},
+        {{"primitives":[{{"attributes":{{"POSITION":{ball}}},"indices":{faces},"material":1}}]}}],
+        "cameras":[{{"type":"orthographic","orthographic":{{"xmag":1,"ymag":0.5,"znear":0.1,"zfar":100}}}}],
+        "nodes":[{{"camera":0,"translation":[0.5,0.5,10]}},{{"mesh":0}},{}]"#,
+        balls.join(",")
+    ));
+    let film = render(&Folder::new().with("x.glb", bytes).scene("x.glb"));
+    // A convex body shows a quarter of its surface on the mean: 4 sqrt(3) r^2 / 4 of an octahedron, 5 away, cosine 3 / 5.
+    let want = f64::from(n) * (3f64.sqrt() * 0.01) * (3.0 / 5.0) / 25.0 / PI;
+    let got = pixel(&film, 16, 8);
+    assert!((f64::from(got[0]) / want - 1.0).abs() < 0.02, "{got:?}, not {want}");
+}

@@ -90,10 +90,10 @@ impl<'a> Accessor<'a> {
     #[inline]
     fn element(&self, k: usize) -> Option<&'a [u8]> {
         let size = component_size(self.component) * self.n_components;
-        if let Some((indices, values)) = &self.sparse {
-            if let Ok(at) = indices.binary_search(&(k as u32)) {
-                return values.get(at * size..(at + 1) * size);
-            }
+        if let Some((indices, values)) = &self.sparse
+            && let Ok(at) = indices.binary_search(&(k as u32))
+        {
+            return values.get(at * size..(at + 1) * size);
         }
         self.bytes.and_then(|b| b.get(k * self.stride..k * self.stride + size))
     }

@@ -75,14 +75,14 @@ impl Materials {
         }
         self.alpha_map(m, &mut p, sink);
         self.numbers_maps(m, &mut p, sink);
-        if let Some(map) = &m.map_bump {
-            if let Some(mut t) = self.texture(Some(map), false, sink) {
-                p.normal_scale = map.bump;
-                if is_grey(&t.image) {
-                    t.image = Arc::new(normals_of_heights(&t.image));
-                }
-                p.normal_texture = Some(t);
+        if let Some(map) = &m.map_bump
+            && let Some(mut t) = self.texture(Some(map), false, sink)
+        {
+            p.normal_scale = map.bump;
+            if is_grey(&t.image) {
+                t.image = Arc::new(normals_of_heights(&t.image));
             }
+            p.normal_texture = Some(t);
         }
         let interior = (p.transmission > 0.0).then(|| Interior { ior: f64::from(p.ior), ..Interior::default() });
         (p, interior)

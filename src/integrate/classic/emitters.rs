@@ -11,15 +11,15 @@ use std::f64::consts::PI;
 /// Points of all emitters together, and of one; each costs a shadow ray a hit. Picked by feel.
 const MAX_POINTS: usize = 64;
 const MAX_POINTS_EACH: usize = 16;
+/// A round body with fewer points than this is one ball: so few faces of it would shine one way.
+const FEWEST_OF_ROUND: usize = 8;
 
 /// A piece of a shining surface.
 #[derive(Clone, Copy, Debug)]
 pub struct EmitterPoint {
     /// Its middle.
     pub point: DVec3,
-    /// Unit; both sides shine.
-    normal: DVec3,
-    area: f64,
+    shape: Piece,
     radiance: Rgb,
     /// Whose it is.
     pub prim_ix: u32,
@@ -28,16 +28,40 @@ pub struct EmitterPoint {
 impl EmitterPoint {
     /// Irradiance at right angles, at `distance` against `dir` (unit, towards the piece).
     pub fn irradiance(&self, dir: DVec3, distance: f64) -> Rgb {
-        // Near a piece, a disc of its area: the point alone would be infinitely bright.
-        let solid_angle = self.area * self.normal.dot(dir).abs() / (distance * distance + self.area / PI);
+        let solid_angle = match self.shape {
+            // Near a piece, a disc of its area: the point alone would be infinitely bright.
+            Piece::Flat { normal, area } => area * normal.dot(dir).abs() / (distance * distance + area / PI),
+            Piece::Ball { radius } => PI * (radius / distance.max(radius)).powi(2),
+        };
         self.radiance * solid_angle as f32
     }
+
+    /// How far a shadow ray towards it must be free, of `distance`.
+    pub fn free_way(&self, distance: f64) -> f64 {
+        match self.shape {
+            Piece::Flat { .. } => distance,
+            Piece::Ball { radius } => distance - 1.05 * radius,
+        }
+    }
+}
+
+/// What a point stands for.
+#[derive(Clone, Copy, Debug)]
+enum Piece {
+    /// A small flat piece with a unit normal; both sides shine.
+    Flat { normal: DVec3, area: f64 },
+    /// A whole round body: a quarter of its surface is what is seen of it (Cauchy).
+    Ball { radius: f64 },
 }
 
 struct Emitter {
     prim_ix: u32,
     radiance: Rgb,
     area: f64,
+    /// Mean place of its surface.
+    center: DVec3,
+    /// Its faces look all ways.
+    is_round: bool,
 }
 
 /// Corners of a face in the world.
@@ -62,9 +86,15 @@ pub fn emitter_points(scene: &CompiledScene) -> Vec<EmitterPoint> {
             continue;
         }
         let radiance = m.emission * m.emission_texture.as_ref().map_or(Vec3::ONE, mean_color);
-        let area: f64 = (0..n_faces(g, prim)).map(|f| face_area(&world_corners(g, prim, f)).length()).sum();
+        let (mut area, mut center, mut facing) = (0.0, DVec3::ZERO, DVec3::ZERO);
+        for corners in (0..n_faces(g, prim)).map(|f| world_corners(g, prim, f)) {
+            let face = face_area(&corners);
+            area += face.length();
+            facing += face;
+            center += face.length() / 3.0 * (corners[0] + corners[1] + corners[2]);
+        }
         if area > 0.0 && radiance.max_element() > 0.0 {
-            list.push(Emitter { prim_ix: ix as u32, radiance, area });
+            list.push(Emitter { prim_ix: ix as u32, radiance, area, center: center / area, is_round: facing.length() < 0.5 * area });
         }
     }
     let power = |e: &Emitter| e.area * f64::from(e.radiance.max_element());
@@ -81,6 +111,10 @@ fn face_area([a, b, c]: &[DVec3; 3]) -> DVec3 {
 
 /// `n` points, each in the middle of its share of the area, spread over the faces in their order.
 fn points_of(g: &Geometry, e: &Emitter, n: usize) -> Vec<EmitterPoint> {
+    if e.is_round && n < FEWEST_OF_ROUND {
+        let shape = Piece::Ball { radius: (e.area / (4.0 * PI)).sqrt() };
+        return vec![EmitterPoint { point: e.center, shape, radiance: e.radiance, prim_ix: e.prim_ix }];
+    }
     let prim = &g.prims[e.prim_ix as usize];
     let share = e.area / n as f64;
     let (mut out, mut passed) = (Vec::with_capacity(n), 0.0);
@@ -97,7 +131,7 @@ fn points_of(g: &Geometry, e: &Emitter, n: usize) -> Vec<EmitterPoint> {
             }
             let point = corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0]);
             let normal = area.try_normalize().unwrap_or(DVec3::Y);
-            out.push(EmitterPoint { point, normal, area: share, radiance: e.radiance, prim_ix: e.prim_ix });
+            out.push(EmitterPoint { point, shape: Piece::Flat { normal, area: share }, radiance: e.radiance, prim_ix: e.prim_ix });
         }
     }
     out

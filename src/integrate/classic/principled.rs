@@ -201,7 +201,7 @@ impl Tracer<'_> {
         if is_dark(answer) {
             return Vec3::ZERO;
         }
-        answer * self.clear_way(&ctx.ray.interiors, Ray::new(ctx.hit.point, dir), distance)
+        answer * self.clear_way(&ctx.ray.interiors, Ray::new(ctx.hit.point, dir), e.free_way(distance))
     }
 
     fn straight_on(&mut self, ctx: &HitContext, weight: f64) -> Seen {

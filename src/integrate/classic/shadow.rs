@@ -72,6 +72,9 @@ impl Tracer<'_> {
         let (mut color, mut left) = (Vec3::ONE, distance);
         let mut list = around.clone();
         for _ in 0..MAX_CLEAR_SURFACES {
+            if left <= 2.0 * SHADOW_TOLERANCE {
+                break;
+            }
             match intersect_shadow(self.scene, &ray, SHADOW_TOLERANCE, left - SHADOW_TOLERANCE, u32::MAX) {
                 ShadowHit::None => break,
                 ShadowHit::Opaque { .. } => return Vec3::ZERO,
@@ -80,7 +83,7 @@ impl Tracer<'_> {
                     list.toggle(self.scene, self.scene.geometry.prims[hit.prim_ix as usize].interior_ix);
                     ray.origin = hit.point;
                     left -= hit.t;
-                    if is_dark(color) || left <= 2.0 * SHADOW_TOLERANCE {
+                    if is_dark(color) {
                         break;
                     }
                 }
