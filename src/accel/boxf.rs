@@ -83,8 +83,10 @@ impl BoxF {
     }
 
     /// The largest absolute coordinate.
+    #[inline]
     pub fn max_abs(&self) -> f64 {
-        self.lo.iter().chain(&self.hi).fold(0.0f32, |m, v| m.max(v.abs())).into()
+        let m = |k: usize| self.lo[k].abs().max(self.hi[k].abs());
+        m(0).max(m(1)).max(m(2)).into()
     }
 }
 

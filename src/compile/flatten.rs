@@ -9,7 +9,7 @@ use super::leaf::{Degenerate, Leaf, LeafTables, add_glyph, add_leaf, padded};
 use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
 use super::tables::{SurfaceTable, TransformTable};
 use super::texture::TextureBuilder;
-use super::{CompileError, CompiledLight, Interior, LightGroup, Media, NONE};
+use super::{CompileError, CompiledLight, Interior, LightBeam, LightGroup, Media, NONE};
 use crate::accel::{Accel, AccelKind, AccelOptions, PrimSet};
 use crate::math::{Bounds, DVec3, Rgbft, Transform};
 use crate::scene::{self, Csg, Light, Object, Shape, Texture};
@@ -219,7 +219,7 @@ impl Flattener {
             }
             None => NONE,
         };
-        self.lights.push(CompiledLight { light, group_ix: above.group_ix, projected_through });
+        self.lights.push(CompiledLight { beam: LightBeam::new(&light), light, group_ix: above.group_ix, projected_through });
         let light_ix = self.lights.len() as u32 - 1;
         if let Some(g) = self.light_groups.get_mut(above.group_ix as usize) {
             g.lights.push(light_ix);
@@ -305,6 +305,7 @@ impl Flattener {
             prims: first..self.geometry.prims.len() as u32,
             inside: InsideProgram::default(),
             bounds: Bounds::EMPTY,
+            inside_bounds: Bounds::EMPTY,
             interior_ix: if role == Role::Visible { entered.interior_ix } else { NONE },
             visible: role == Role::Visible,
             solid: false,
@@ -315,6 +316,7 @@ impl Flattener {
         let mut keeps_bounds = false;
         if let Some(root) = root {
             record.solid = self.nodes[root].solid;
+            record.inside_bounds = open_ended(self.nodes[root].bounds);
             keeps_bounds = self.nodes[root].keeps_bounds;
             let mut steps = Vec::new();
             self.writer().require(root, true, &mut steps);
@@ -335,8 +337,8 @@ impl Flattener {
         if root.is_some_and(|r| !matches!(self.nodes[r].kind, NodeKind::Leaf(_))) {
             record.cull_box = self.cull_box(object, &entered, &record.bounds);
         }
-        if record.cull_box.is_some() {
-            self.flag_bounded(record.prims.clone());
+        if let Some(b) = record.cull_box {
+            self.flag_bounded(record.prims.clone(), |_, leaf| leaf.min.cmpge(b.min).all() && leaf.max.cmple(b.max).all());
         }
         self.geometry.objects.push(record);
         if keeps_bounds {
@@ -477,13 +479,17 @@ impl Flattener {
         let record = &mut self.geometry.objects[object_ix as usize];
         record.bounded_by = start..self.geometry.bounding_objects.len() as u32;
         let prims = record.prims.clone();
-        self.flag_bounded(prims);
+        let bounds = self.geometry.bounding_objects[start as usize..].to_vec();
+        self.flag_bounded(prims, |g, leaf| bounds.iter().all(|b| surely_holds(g, *b, leaf)));
         Ok(())
     }
 
-    fn flag_bounded(&mut self, prims: std::ops::Range<u32>) {
-        for p in &mut self.geometry.prims[prims.start as usize..prims.end as usize] {
-            p.flags |= prim_flags::BOUNDED;
+    /// Marks the primitives whose object's bounds must be asked: not those whose own box lies within, which meet them whenever they are met.
+    fn flag_bounded(&mut self, prims: std::ops::Range<u32>, holds: impl Fn(&Geometry, &Bounds) -> bool) {
+        for k in prims.start as usize..prims.end as usize {
+            if !holds(&self.geometry, &self.geometry.bounds[k]) {
+                self.geometry.prims[k].flags |= prim_flags::BOUNDED;
+            }
         }
     }
 
@@ -611,7 +617,7 @@ impl Flattener {
         })
     }
 
-    /// The cover that a leaf gets; sets `TRANSPARENT`.
+    /// The cover that a leaf gets; sets `TRANSPARENT` and `NEEDS_UV`.
     fn surface(&mut self, leaf: &Leaf, inside: &Inherited, flags: &mut u32) -> u32 {
         if *flags & prim_flags::HIDDEN != 0 {
             return self.surfaces.add(Surface { texture: NONE, interior_texture: NONE, transform_ix: 0 });
@@ -636,9 +642,13 @@ impl Flattener {
             PrimKind::Blob => &self.leaves.shapes.blobs[leaf.shape_ix as usize].textures,
             _ => &[],
         };
-        let mut covers = [texture, interior_texture].into_iter().chain(parts.iter().copied()).filter(|t| *t != NONE);
-        if cutaway && texture == NONE || covers.any(|t| self.textures.is_transparent(t)) {
+        let unknown = cutaway && texture == NONE;
+        let covers = || [texture, interior_texture].into_iter().chain(parts.iter().copied()).filter(|t| *t != NONE);
+        if unknown || covers().any(|t| self.textures.is_transparent(t)) {
             *flags |= prim_flags::TRANSPARENT;
+        }
+        if unknown || covers().any(|t| self.textures.needs_uv(t)) {
+            *flags |= prim_flags::NEEDS_UV;
         }
         // A cover on (u, v) does not move with its object.
         let transform_ix = if *flags & prim_flags::UV_MAPPING != 0 { 0 } else { self.transforms.add(&space) };
@@ -690,6 +700,41 @@ impl Flattener {
             before = before.intersection(self.nodes[*c].bounds);
         }
         Ok(())
+    }
+}
+
+/// Whether an object is one convex shape with the whole of `b` inside.
+fn surely_holds(g: &Geometry, object_ix: u32, b: &Bounds) -> bool {
+    let object = &g.objects[object_ix as usize];
+    let [prim] = &g.prims[object.prims.start as usize..object.prims.end as usize] else { return false };
+    if prim.flags & prim_flags::INVERTED != 0 || object.bounded_by.start != object.bounded_by.end || object.cull_box.is_some() {
+        return false;
+    }
+    let (ix, to_world) = (prim.shape_ix as usize, &g.transforms[prim.transform_ix as usize]);
+    (0..8u8).all(|corner| {
+        let side = |k: u8| if corner >> k & 1 == 0 { b.min[k as usize] } else { b.max[k as usize] };
+        let p = to_world.inverse_point(DVec3::new(side(0), side(1), side(2)));
+        match prim.kind {
+            PrimKind::Sphere => {
+                let s = &g.shapes.spheres[ix];
+                p.distance(s.center) < s.radius
+            }
+            PrimKind::Box => {
+                let s = &g.shapes.boxes[ix];
+                p.cmpge(s.min).all() && p.cmple(s.max).all()
+            }
+            PrimKind::Cylinder => p.x * p.x + p.y * p.y < 1.0 && p.z > 0.0 && p.z < 1.0,
+            _ => false,
+        }
+    })
+}
+
+/// A box whose sides at the limit of the world are no sides.
+fn open_ended(b: Bounds) -> Bounds {
+    let huge = Bounds::UNBOUNDED;
+    Bounds {
+        min: DVec3::select(b.min.cmple(huge.min), DVec3::NEG_INFINITY, b.min),
+        max: DVec3::select(b.max.cmpge(huge.max), DVec3::INFINITY, b.max),
     }
 }
 

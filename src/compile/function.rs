@@ -199,6 +199,13 @@ impl Ssa {
     fn binary(&mut self, op: Op, a: u32, b: u32) -> u32 {
         match (self.known(a), self.known(b)) {
             (Some(x), Some(y)) => self.constant(eval_op(op, x, y, 0.0)),
+            // Powers that scenes write need no logarithm.
+            (None, Some(e)) if op == Op::Pow && e == 1.0 => a,
+            (None, Some(e)) if op == Op::Pow && e == 2.0 => self.add(Value::Binary(Op::Mul, a, a)),
+            (None, Some(e)) if op == Op::Pow && e == 3.0 => {
+                let square = self.add(Value::Binary(Op::Mul, a, a));
+                self.add(Value::Binary(Op::Mul, square, a))
+            }
             _ => self.add(Value::Binary(op, a, b)),
         }
     }

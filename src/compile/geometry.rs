@@ -157,6 +157,8 @@ pub struct ObjectRecord {
     pub inside: InsideProgram,
     /// World box.
     pub bounds: Bounds,
+    /// World box of all points that are inside; unbounded for what is inverted.
+    pub inside_bounds: Bounds,
     /// Filling of the object as a whole, into `CompiledScene::interiors`; `NONE` for hidden objects.
     pub interior_ix: u32,
     /// Part of the picture.

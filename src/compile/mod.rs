@@ -17,7 +17,8 @@ mod validate;
 
 use crate::accel::AccelKind;
 use crate::diag::Sink;
-use crate::math::{Rgb, Rgbft, Transform};
+use crate::math::{DVec3, Rgb, Rgbft, Transform};
+use crate::scene::light::LightKind;
 use crate::scene::{Camera, Fog, Light, Rainbow, Scene, Settings};
 use flatten::Flattener;
 use geometry::Geometry;
@@ -114,10 +115,38 @@ pub struct Media {
 pub struct CompiledLight {
     /// Everything about it; `projected_through` and `looks_like` are compiled away.
     pub light: Light,
+    /// Its direction and the cosines of its cone.
+    pub beam: LightBeam,
     /// Light group it belongs to, or [`NONE`].
     pub group_ix: u32,
     /// Primitives that the light must pass, into `Geometry::objects`, or [`NONE`].
     pub projected_through: u32,
+}
+
+/// What every question about a light's direction asks for, worked out once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightBeam {
+    /// Unit direction in which the light points.
+    pub axis: DVec3,
+    /// Cosines of a spot light's radius and falloff; 1 for others.
+    pub cos_radius: f64,
+    /// See `cos_radius`.
+    pub cos_falloff: f64,
+}
+
+impl LightBeam {
+    /// Of `light`.
+    pub fn new(light: &Light) -> Self {
+        let axis = match light.kind {
+            LightKind::Sun { direction, .. } => direction,
+            _ => (light.point_at - light.location).try_normalize().unwrap_or(DVec3::Z),
+        };
+        let (cos_radius, cos_falloff) = match light.kind {
+            LightKind::Spot { radius_rad, falloff_rad, .. } => (radius_rad.cos(), falloff_rad.cos()),
+            _ => (1.0, 1.0),
+        };
+        Self { axis, cos_radius, cos_falloff }
+    }
 }
 
 /// Objects with lights of their own.

@@ -13,6 +13,13 @@ pub fn power(b: f64, e: f64) -> f64 {
     if e == 1.0 { b } else { b.powf(e) }
 }
 
+/// Whether `b^e` is below 1e-8 for certain: what a highlight adds there cannot be seen, and most points of a surface lie there.
+#[inline]
+fn vanishes(b: f64, e: f64) -> bool {
+    // ln b < b - 1.
+    e * (1.0 - b) > 18.5
+}
+
 /// How far a metallic tint fades at grazing angles: 0 along the normal, 1 along the surface.
 #[inline]
 fn metallic_fade(cos: f64) -> f64 {
@@ -36,7 +43,7 @@ pub fn highlights(f: &Finish, ray_dir: DVec3, normal: DVec3, to_light: DVec3, pi
     if f.phong > 0.0 {
         let reflected = ray_dir - 2.0 * ray_dir.dot(normal) * normal;
         let cos = reflected.dot(to_light);
-        if cos > 0.0 && (f.phong_size < 60.0 || cos > 0.0008) {
+        if cos > 0.0 && (f.phong_size < 60.0 || cos > 0.0008) && !vanishes(cos, f64::from(f.phong_size)) {
             let k = f64::from(f.phong) * power(cos, f64::from(f.phong_size));
             sum += k as f32 * metallic_tint(f.metallic, normal.dot(to_light), pigment);
         }
@@ -45,9 +52,9 @@ pub fn highlights(f: &Finish, ray_dir: DVec3, normal: DVec3, to_light: DVec3, pi
         let half = 0.5 * (to_light - ray_dir);
         let len = half.length();
         if len > EPSILON {
-            let cos = half.dot(normal) / len;
-            if cos > 0.0 {
-                let k = f64::from(f.specular) * power(cos, 1.0 / f64::from(f.roughness));
+            let (cos, sharpness) = (half.dot(normal) / len, 1.0 / f64::from(f.roughness));
+            if cos > 0.0 && !vanishes(cos, sharpness) {
+                let k = f64::from(f.specular) * power(cos, sharpness);
                 sum += k as f32 * metallic_tint(f.metallic, normal.dot(to_light), pigment);
             }
         }

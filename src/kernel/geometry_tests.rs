@@ -122,7 +122,7 @@ fn shadow_rays_stop_at_opaque_things_and_report_the_nearest_clear_one() {
 fn interiors_of_containing_objects_are_listed_in_order_of_the_file() {
     let scene = compiled(vec![sphere(DVec3::ZERO, 3.0), cube(4.0, 5.0), Object::new(Shape::Plane { normal: DVec3::Y, distance: 1.0 })]);
     let mut list = Vec::new();
-    containing_interiors(&scene, DVec3::ZERO, &mut list);
+    containing_interiors(&scene, DVec3::ZERO, |i| list.push(i));
     assert_eq!(list, [scene.geometry.objects[0].interior_ix, scene.geometry.objects[2].interior_ix]);
 }
 

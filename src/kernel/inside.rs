@@ -70,16 +70,16 @@ pub fn run_program(scene: &CompiledScene, program: InsideProgram, own: u32, p: D
 
 /// Whether world point `p` is inside object `object_ix` of `Geometry::objects` as a whole.
 pub fn inside_object(scene: &CompiledScene, object_ix: u32, p: DVec3) -> bool {
-    let program = scene.geometry.objects[object_ix as usize].inside;
-    program.len > 0 && run_program(scene, program, u32::MAX, p)
+    let object = &scene.geometry.objects[object_ix as usize];
+    let b = &object.inside_bounds;
+    object.inside.len > 0 && p.cmpge(b.min).all() && p.cmple(b.max).all() && run_program(scene, object.inside, u32::MAX, p)
 }
 
-/// Fills `out` with the interiors of all visible objects that contain `p`, in the order of the file. Source: spec/light.md, section 1.
-pub fn containing_interiors(scene: &CompiledScene, p: DVec3, out: &mut Vec<u32>) {
-    out.clear();
+/// Calls `f` with the interiors of all visible objects that contain `p`, in the order of the file. Source: spec/light.md, section 1.
+pub fn containing_interiors(scene: &CompiledScene, p: DVec3, mut f: impl FnMut(u32)) {
     for (k, o) in scene.geometry.objects.iter().enumerate() {
         if o.visible && o.solid && inside_object(scene, k as u32, p) {
-            out.push(o.interior_ix);
+            f(o.interior_ix);
         }
     }
 }

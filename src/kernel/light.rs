@@ -1,6 +1,7 @@
 //! Light sources as seen from a point: direction, distance, brightness by beam and by distance, points of area lights.
 //! Nothing here tests for shadow. Source: spec/light.md, section 6; spec/textures.md, section 12. Twin: `shaders/shared/light`.
 
+use crate::compile::LightBeam;
 use crate::math::{DVec3, EPSILON};
 use crate::scene::Light;
 use crate::scene::light::{AreaLight, Fade, LightKind};
@@ -15,14 +16,6 @@ pub struct LightRay {
     pub dir: DVec3,
     /// To the light along `dir`; negative behind the plane of a parallel light.
     pub distance: f64,
-}
-
-/// The unit direction in which a light points.
-pub fn light_axis(light: &Light) -> DVec3 {
-    match light.kind {
-        LightKind::Sun { direction, .. } => direction,
-        _ => (light.point_at - light.location).try_normalize().unwrap_or(DVec3::Z),
-    }
 }
 
 /// From `point` to the light's centre shifted by `offset`.
@@ -43,21 +36,20 @@ pub fn light_ray(light: &Light, point: DVec3, offset: DVec3) -> LightRay {
 
 /// How much of the light's colour arrives at `point` without obstacles.
 #[inline]
-pub fn attenuation(light: &Light, point: DVec3, ray: &LightRay) -> f64 {
+pub fn attenuation(light: &Light, shape: &LightBeam, point: DVec3, ray: &LightRay) -> f64 {
     let beam = match light.kind {
         LightKind::Point | LightKind::Sun { .. } => 1.0,
-        LightKind::Spot { radius_rad, falloff_rad, tightness } => {
-            let cos = -ray.dir.dot(light_axis(light));
+        LightKind::Spot { radius_rad, tightness, .. } => {
+            let cos = -ray.dir.dot(shape.axis);
             if cos <= 0.0 || (light.parallel && ray.distance <= 0.0) {
                 return 0.0;
             }
-            let k = if tightness == 0.0 { 1.0 } else { cos.powf(tightness) };
-            if radius_rad > 0.0 { k * smoothstep(falloff_rad.cos(), radius_rad.cos(), cos) } else { k }
+            let soft = if radius_rad > 0.0 { smoothstep(shape.cos_falloff, shape.cos_radius, cos) } else { 1.0 };
+            if tightness == 0.0 || soft == 0.0 { soft } else { cos.powf(tightness) * soft }
         }
         LightKind::Cylinder { radius, falloff, tightness } => {
-            let axis = light_axis(light);
             let from_light = point - light.location;
-            let along = from_light.dot(axis);
+            let along = from_light.dot(shape.axis);
             if along <= 0.0 {
                 return 0.0;
             }
@@ -77,7 +69,11 @@ pub fn attenuation(light: &Light, point: DVec3, ray: &LightRay) -> f64 {
 #[inline]
 pub fn fade(fade: Fade, distance: f64) -> f64 {
     match fade {
-        Fade::Pov { distance: d, power } if power > 0.0 && d != 0.0 => 2.0 / (1.0 + (distance / d).powf(power)),
+        Fade::Pov { distance: d, power } if power > 0.0 && d != 0.0 => {
+            let x = distance / d;
+            // The powers that scenes use need no logarithm.
+            2.0 / (1.0 + if power == 2.0 { x * x } else if power == 1.0 { x } else { x.powf(power) })
+        }
         Fade::InverseSquare => 1.0 / (distance * distance).max(1e-8),
         _ => 1.0,
     }
@@ -114,7 +110,7 @@ pub fn area_offset(area: &AreaLight, axes: (DVec3, DVec3), u: f64, v: f64) -> DV
     if area.circular {
         // The program keeps off the exact centre by a thousandth.
         (a, b) = (a + 0.001, b + 0.001);
-        let len = a.hypot(b);
+        let len = (a * a + b * b).sqrt();
         if len > EPSILON {
             let s = a.abs().max(b.abs()) / len;
             (a, b) = (a * s, b * s);
@@ -138,7 +134,7 @@ mod tests {
         let at = |deg: f64| {
             let (s, c) = deg.to_radians().sin_cos();
             let p = DVec3::new(s, -c, 0.0) * 3.0;
-            attenuation(&spot(), p, &light_ray(&spot(), p, DVec3::ZERO))
+            attenuation(&spot(), &LightBeam::new(&spot()), p, &light_ray(&spot(), p, DVec3::ZERO))
         };
         assert!((at(20.0) - 20f64.to_radians().cos().powi(2)).abs() < 1e-12);
         let (cos, lo, hi) = (40f64.to_radians().cos(), 45f64.to_radians().cos(), 30f64.to_radians().cos());
@@ -160,7 +156,7 @@ mod tests {
     fn cylinder_light_is_flat_inside_its_radius_and_dark_behind() {
         let kind = LightKind::Cylinder { radius: 1.0, falloff: 2.0, tightness: 0.0 };
         let light = Light { kind, parallel: true, point_at: DVec3::NEG_Y, ..Light::point(DVec3::ZERO, Vec3::ONE) };
-        let at = |p: DVec3| attenuation(&light, p, &light_ray(&light, p, DVec3::ZERO));
+        let at = |p: DVec3| attenuation(&light, &LightBeam::new(&light), p, &light_ray(&light, p, DVec3::ZERO));
         assert_eq!(at(DVec3::new(0.9, -4.0, 0.0)), 1.0);
         assert_eq!(at(DVec3::new(0.0, 4.0, 0.0)), 0.0);
         assert!((at(DVec3::new(1.5, -4.0, 0.0)) - 0.5).abs() < 1e-12, "halfway of a smoothstep");

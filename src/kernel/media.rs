@@ -1,7 +1,7 @@
 //! Media without rays: phase functions, the pieces of a ray that beams light, sample intervals, stop thresholds.
 //! The sampling itself, which asks for densities and shadows, stands in `integrate/classic/media`. Source: spec/light.md, section 7.
 
-use super::light::light_axis;
+use crate::compile::LightBeam;
 use crate::math::statistics::chi_square_point;
 use crate::math::{Ray, Rgb};
 use crate::scene::light::LightKind;
@@ -27,14 +27,14 @@ pub fn extinction(m: &Media) -> Rgb {
 }
 
 /// The piece of `0..depth` that a light's beam reaches, if any.
-pub fn beam_piece(light: &Light, ray: &Ray, depth: f64) -> Option<(f64, f64)> {
+pub fn beam_piece(light: &Light, beam: &LightBeam, ray: &Ray, depth: f64) -> Option<(f64, f64)> {
     let v = ray.origin - light.location;
-    let axis = light_axis(light);
+    let axis = beam.axis;
     let (along, per_t) = (v.dot(axis), ray.dir.dot(axis));
     // Inside is where `sign` times a t² + 2 b t + c is not negative, in front of the light.
     let (a, b, c, sign) = match light.kind {
         LightKind::Spot { falloff_rad, .. } if falloff_rad < std::f64::consts::FRAC_PI_2 && !light.parallel => {
-            let cos_sq = falloff_rad.cos().powi(2);
+            let cos_sq = beam.cos_falloff * beam.cos_falloff;
             let c = along * along - cos_sq * v.length_squared();
             (per_t * per_t - cos_sq, along * per_t - cos_sq * v.dot(ray.dir), c, 1.0)
         }
@@ -180,10 +180,10 @@ mod tests {
     fn spot_lights_the_part_of_a_ray_inside_its_cone() {
         let kind = LightKind::Spot { radius_rad: 0.3, falloff_rad: 45f64.to_radians(), tightness: 0.0 };
         let light = Light { kind, point_at: DVec3::NEG_Y, ..Light::point(DVec3::ZERO, Vec3::ONE) };
-        let (a, b) = beam_piece(&light, &Ray::new(DVec3::new(-5.0, -2.0, 0.0), DVec3::X), 100.0).expect("crosses the cone");
+        let (a, b) = beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(-5.0, -2.0, 0.0), DVec3::X), 100.0).expect("crosses the cone");
         assert!((a - 3.0).abs() < 1e-9 && (b - 7.0).abs() < 1e-9, "{a} {b}");
-        assert!(beam_piece(&light, &Ray::new(DVec3::new(-5.0, 2.0, 0.0), DVec3::X), 100.0).is_none(), "behind the light");
-        let (a, b) = beam_piece(&light, &Ray::new(DVec3::new(0.0, -1.0, 0.0), DVec3::NEG_Y), 100.0).expect("along the axis");
+        assert!(beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(-5.0, 2.0, 0.0), DVec3::X), 100.0).is_none(), "behind the light");
+        let (a, b) = beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(0.0, -1.0, 0.0), DVec3::NEG_Y), 100.0).expect("along the axis");
         assert_eq!((a, b), (0.0, 100.0));
     }
 
@@ -191,7 +191,7 @@ mod tests {
     fn cylinder_lights_the_part_of_a_ray_inside_it() {
         let kind = LightKind::Cylinder { radius: 1.0, falloff: 2.0, tightness: 0.0 };
         let light = Light { kind, point_at: DVec3::NEG_Y, ..Light::point(DVec3::ZERO, Vec3::ONE) };
-        let (a, b) = beam_piece(&light, &Ray::new(DVec3::new(-5.0, -2.0, 0.0), DVec3::X), 6.0).expect("crosses the beam");
+        let (a, b) = beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(-5.0, -2.0, 0.0), DVec3::X), 6.0).expect("crosses the beam");
         assert!((a - 3.0).abs() < 1e-9 && (b - 6.0).abs() < 1e-9);
     }
 

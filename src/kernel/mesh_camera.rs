@@ -15,6 +15,8 @@ pub struct MeshCamera {
     /// Rays run against the normal.
     reversed: bool,
     meshes: Vec<(Arc<Mesh>, Transform)>,
+    /// Faces of the first mesh by their place in (u, v), for distribution 3.
+    raster: UvRaster,
 }
 
 impl MeshCamera {
@@ -40,6 +42,10 @@ impl MeshCamera {
                 found.push((m.clone(), to_world));
             }
         }
+        let raster = match found.first() {
+            Some((mesh, _)) if distribution > 2 => UvRaster::new(mesh),
+            _ => UvRaster::default(),
+        };
         Self {
             n_rays: n_rays.clamp(1, 1 << 16),
             distribution,
@@ -48,6 +54,7 @@ impl MeshCamera {
             offset: location.z,
             reversed: direction.z < -crate::math::EPSILON,
             meshes: found,
+            raster,
         }
     }
 
@@ -96,9 +103,10 @@ impl MeshCamera {
 
     fn uv_ray(&self, at: DVec2) -> Option<Ray> {
         let (mesh, t) = self.meshes.first()?;
-        for (k, face) in mesh.faces.iter().enumerate() {
-            let uvs = mesh.uv_indices.get(k)?.map(|i| mesh.uvs.get(i as usize).copied().unwrap_or_default());
-            let [p, q, r] = uvs.map(|uv| DVec2::new(f64::from(uv[0]), f64::from(uv[1])));
+        for k in self.raster.faces_at(at) {
+            let k = *k as usize;
+            let face = mesh.faces[k];
+            let [p, q, r] = uv_corners(mesh, k)?;
             let (e, f, d) = (q - p, r - p, at - p);
             let area = e.perp_dot(f);
             let (wb, wc) = (d.perp_dot(f) / area, e.perp_dot(d) / area);
@@ -122,5 +130,92 @@ impl MeshCamera {
         let dir = if self.reversed { -normal } else { normal };
         let (origin, dir) = (t.point(origin), t.vector(dir));
         Some(Ray::new(origin, dir.try_normalize()?))
+    }
+}
+
+/// Corners of a face in (u, v); `None` for a face without.
+fn uv_corners(mesh: &Mesh, face: usize) -> Option<[DVec2; 3]> {
+    let uvs = mesh.uv_indices.get(face)?.map(|i| mesh.uvs.get(i as usize).copied().unwrap_or_default());
+    Some(uvs.map(|uv| DVec2::new(f64::from(uv[0]), f64::from(uv[1]))))
+}
+
+/// A raster over (u, v): in each cell the faces that touch it, in the order of the mesh. A picture asks once a pixel, and meshes have
+/// as many faces as pictures have pixels.
+#[derive(Default)]
+struct UvRaster {
+    low: DVec2,
+    cells_per_unit: DVec2,
+    n: usize,
+    /// `cells[k]..cells[k + 1]` of `faces` is cell k, row by row.
+    cells: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+/// Most cells along an axis.
+const MAX_RASTER: usize = 1024;
+
+impl UvRaster {
+    fn new(mesh: &Mesh) -> Self {
+        let boxes: Vec<(DVec2, DVec2)> = (0..mesh.faces.len())
+            .map_while(|k| uv_corners(mesh, k))
+            .map(|[p, q, r]| (p.min(q).min(r), p.max(q).max(r)))
+            .collect();
+        let (low, high) = boxes.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), (p, q)| (a.min(*p), b.max(*q)));
+        if !(low.is_finite() && high.is_finite()) {
+            return Self::default();
+        }
+        let mut n = ((boxes.len() as f64).sqrt() as usize).clamp(1, MAX_RASTER);
+        let with = |n: usize| Self { low, cells_per_unit: n as f64 / (high - low).max(DVec2::splat(1e-30)), n, ..Self::default() };
+        // Faces that lie over each other want larger cells.
+        while n > 1 && boxes.iter().map(|b| with(n).n_touched(b)).sum::<usize>() > 16 * boxes.len() {
+            n /= 2;
+        }
+        let mut raster = Self { cells: vec![0; n * n + 1], ..with(n) };
+        // Count, sum up, fill: each cell keeps the mesh's order.
+        for b in &boxes {
+            raster.touched(b).for_each(|c| raster.cells[c + 1] += 1);
+        }
+        for c in 0..n * n {
+            raster.cells[c + 1] += raster.cells[c];
+        }
+        let mut next = raster.cells.clone();
+        raster.faces = vec![0; next[n * n] as usize];
+        for (k, b) in boxes.iter().enumerate() {
+            for c in raster.touched(b) {
+                raster.faces[next[c] as usize] = k as u32;
+                next[c] += 1;
+            }
+        }
+        raster
+    }
+
+    /// Cell of a place along one axis; the outermost cells take what lies outside.
+    fn cell(&self, at: DVec2, slack: f64) -> [usize; 2] {
+        let c = ((at - self.low) * self.cells_per_unit + DVec2::splat(slack)).floor();
+        [c.x, c.y].map(|v| (v.max(0.0) as usize).min(self.n - 1))
+    }
+
+    /// First and last column and row that a box touches; a face's own test may round outwards.
+    fn corners(&self, (low, high): &(DVec2, DVec2)) -> [[usize; 2]; 2] {
+        [self.cell(*low, -1e-6), self.cell(*high, 1e-6)]
+    }
+
+    fn n_touched(&self, b: &(DVec2, DVec2)) -> usize {
+        let [a, b] = self.corners(b);
+        (b[0] - a[0] + 1) * (b[1] - a[1] + 1)
+    }
+
+    fn touched(&self, b: &(DVec2, DVec2)) -> impl Iterator<Item = usize> + use<> {
+        let ([a, b], n) = (self.corners(b), self.n);
+        (a[1]..=b[1]).flat_map(move |y| (a[0]..=b[0]).map(move |x| y * n + x))
+    }
+
+    fn faces_at(&self, at: DVec2) -> &[u32] {
+        if self.n == 0 || !at.is_finite() {
+            return &[];
+        }
+        let [x, y] = self.cell(at, 0.0);
+        let c = y * self.n + x;
+        &self.faces[self.cells[c] as usize..self.cells[c + 1] as usize]
     }
 }

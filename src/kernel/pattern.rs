@@ -48,12 +48,33 @@ pub fn triangle_wave(v: f64) -> f64 {
     if f >= 0.5 { 2.0 * (1.0 - f) } else { 2.0 * f }
 }
 
+/// `v % m` up to rounding, without the library's loop.
+#[inline]
+fn remainder(v: f64, m: f64) -> f64 {
+    if v.abs() < m {
+        return v;
+    }
+    // Beyond this the quotient is no integer of 53 bits, and the library's answer is as good as noise.
+    if !(v.abs() < 1e15) {
+        return v % m;
+    }
+    let r = v - (v / m).trunc() * m;
+    // The quotient may round up to the next integer.
+    if r * v < 0.0 { r + m.copysign(v) } else { r }
+}
+
+/// The fraction of a number, with its sign: `v % 1.0`.
+#[inline]
+pub(super) fn fraction(v: f64) -> f64 {
+    v - v.trunc()
+}
+
 /// Frequency, phase and wave.
 #[inline]
 fn shaped(node: &PatternNode, raw: f64) -> f64 {
     let mut v = raw;
     if node.frequency != 0.0 {
-        v = (v * node.frequency + node.phase) % 1.000_01;
+        v = remainder(v * node.frequency + node.phase, 1.000_01);
     }
     if v < 0.0 {
         v -= v.floor();
@@ -111,7 +132,7 @@ fn raw_value(scene: &CompiledScene, node: &PatternNode, p: DVec3, at: &PatternPo
             let object = scene.textures.pattern_objects[slot as usize];
             f64::from(u8::from(object != crate::compile::NONE && inside_object(scene, object, p)))
         }
-        PatternCode::Onion => p.length() % 1.0,
+        PatternCode::Onion => fraction(p.length()),
         PatternCode::Pavement { sides, tiles, pattern, interior, exterior, form } => {
             tiling::pavement(p, sides, tiles, pattern, interior, exterior, form)
         }
@@ -151,7 +172,7 @@ fn beyond(a: f64) -> f64 {
 /// Values above one keep their fraction; the rest is as it is.
 #[inline]
 fn above_one(v: f64) -> f64 {
-    if v > 1.0 { v % 1.0 } else { v }
+    if v > 1.0 { fraction(v) } else { v }
 }
 
 fn spiral(node: &PatternNode, p: DVec3, arms: f64, generator: u8) -> f64 {
@@ -172,6 +193,6 @@ fn spiral(node: &PatternNode, p: DVec3, arms: f64, generator: u8) -> f64 {
 /// Keeps a wrapped value below 1.
 #[inline]
 fn below_one(v: f64) -> f64 {
-    let v = if v < 0.0 { 1.0 + v % 1.0 } else { v % 1.0 };
+    let v = if v < 0.0 { 1.0 + fraction(v) } else { fraction(v) };
     if (1.0..1.0 + EPSILON).contains(&v) { v - EPSILON } else { v }
 }

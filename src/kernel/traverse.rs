@@ -77,7 +77,7 @@ pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64
             return false;
         }
         let sink = if flags & prim_flags::TRANSPARENT != 0 { &mut clear } else { &mut opaque };
-        if !bounded || slabs.hits(&g.bounds[prim_ix as usize], sink.t) {
+        if !bounded || (sink.is_new(prim_ix) && slabs.hits(&g.bounds[prim_ix as usize], sink.t)) {
             sink.test(prim_ix);
         }
         opaque.found()
@@ -110,8 +110,9 @@ fn for_candidates(g: &Geometry, nearest: &mut Nearest, mut test: impl FnMut(&mut
     let slabs = Slabs::new(ray);
     g.tree.closest(ray, t_min, t_max, |k, far| {
         let prim_ix = g.bounded[k as usize];
-        // A cell of the tree may be met where the primitive's box is not, and most shapes cost more than a box.
-        if !slabs.hits(&g.bounds[prim_ix as usize], far) {
+        // A cell of the tree may be met where the primitive's box is not, and most shapes cost more than a box. What lay too far once
+        // does so ever after: the limit only shrinks.
+        if !nearest.is_new(prim_ix) || !slabs.hits(&g.bounds[prim_ix as usize], far) {
             return None;
         }
         test(nearest, prim_ix);
@@ -142,6 +143,9 @@ impl Slabs {
     }
 }
 
+/// Places for primitives that a ray has tested.
+const N_TESTED: usize = 32;
+
 /// Keeps the nearest standing hit over the primitives that it tests.
 ///
 /// At equal depth the later primitive of the same object wins, as POV-Ray's stack of hits has it; between objects the earlier one.
@@ -154,9 +158,8 @@ pub(super) struct Nearest<'a> {
     prim_ix: u32,
     part: Part,
     stop_at_first: bool,
-    /// Primitives tested last: trees may offer one again and again.
-    recent: [u32; 8],
-    n_tested: usize,
+    /// Primitives tested before, each at its place modulo the length: trees may offer one again and again.
+    tested: [u32; N_TESTED],
     /// Object whose bounds were asked last, and the answer.
     bounds_asked: (u32, bool),
     // The primitive under test.
@@ -175,8 +178,7 @@ impl<'a> Nearest<'a> {
             prim_ix: u32::MAX,
             part: Part::default(),
             stop_at_first: false,
-            recent: [u32::MAX; 8],
-            n_tested: 0,
+            tested: [u32::MAX; N_TESTED],
             bounds_asked: (u32::MAX, true),
             prim: u32::MAX,
             clip: InsideProgram::default(),
@@ -184,13 +186,15 @@ impl<'a> Nearest<'a> {
         }
     }
 
+    /// Whether a primitive was not offered before, as far as that is remembered.
+    #[inline]
+    fn is_new(&mut self, prim_ix: u32) -> bool {
+        let tested = &mut self.tested[prim_ix as usize % N_TESTED];
+        std::mem::replace(tested, prim_ix) != prim_ix
+    }
+
     #[inline]
     pub fn test(&mut self, prim_ix: u32) {
-        if self.recent.contains(&prim_ix) {
-            return;
-        }
-        self.recent[self.n_tested % 8] = prim_ix;
-        self.n_tested += 1;
         let g = &self.scene.geometry;
         let prim: &Prim = &g.prims[prim_ix as usize];
         if prim.flags & prim_flags::BOUNDED != 0 {
@@ -279,7 +283,7 @@ fn surface_hit(scene: &CompiledScene, ray: &Ray, t: f64, prim_ix: u32, part: &Pa
         face_ix: part.face,
         point,
         normal: if prim.flags & prim_flags::INVERTED != 0 { -n } else { n },
-        uv: shape_uv(g, prim, local, point, part),
+        uv: if prim.flags & (prim_flags::UV_MAPPING | prim_flags::NEEDS_UV) != 0 { shape_uv(g, prim, local, point, part) } else { DVec2::ZERO },
         barycentric: DVec2::new(part.a, part.b),
     }
 }

@@ -33,7 +33,7 @@ fn warp(w: &WarpNode, p: DVec3) -> DVec3 {
             // The product is rounded to 32 bits (measured).
             let block = f64::from((p[axis] / width).floor() as f32);
             p[axis] -= f64::from((block * width) as f32);
-            if block % 2.0 != 0.0 {
+            if block - 2.0 * (block / 2.0).trunc() != 0.0 {
                 for k in 0..3 {
                     if flip[k] {
                         p[k] = if k == axis { width - p[k] } else { -p[k] };

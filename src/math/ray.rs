@@ -13,11 +13,13 @@ pub struct Ray {
 
 impl Ray {
     /// A ray from its parts.
+    #[inline]
     pub fn new(origin: DVec3, dir: DVec3) -> Self {
         Self { origin, dir }
     }
 
     /// The point at parameter `t`.
+    #[inline]
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.dir
     }

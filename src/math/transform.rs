@@ -75,31 +75,37 @@ impl Transform {
     }
 
     /// A point, inner to outer.
+    #[inline]
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.forward.transform_point3(p)
     }
 
     /// A direction with its length, inner to outer.
+    #[inline]
     pub fn vector(&self, v: DVec3) -> DVec3 {
         self.forward.transform_vector3(v)
     }
 
     /// A point, outer to inner.
+    #[inline]
     pub fn inverse_point(&self, p: DVec3) -> DVec3 {
         self.inverse.transform_point3(p)
     }
 
     /// A direction with its length, outer to inner.
+    #[inline]
     pub fn inverse_vector(&self, v: DVec3) -> DVec3 {
         self.inverse.transform_vector3(v)
     }
 
     /// A surface normal, inner to outer (inverse transpose); not normalised.
+    #[inline]
     pub fn normal(&self, n: DVec3) -> DVec3 {
         self.inverse.matrix3.transpose() * n
     }
 
     /// A surface normal, outer to inner; not normalised.
+    #[inline]
     pub fn inverse_normal(&self, n: DVec3) -> DVec3 {
         self.forward.matrix3.transpose() * n
     }

@@ -42,6 +42,9 @@ pub struct BlobElement {
     pub bounds: Bounds,
 }
 
+/// Elements in a group.
+pub const GROUP: usize = 8;
+
 /// A blob.
 #[derive(Clone, Debug)]
 pub struct BlobShape {
@@ -49,6 +52,8 @@ pub struct BlobShape {
     pub threshold: f64,
     /// Field elements.
     pub elements: Vec<BlobElement>,
+    /// Boxes of the elements taken [`GROUP`] at a time: rays and points pass most of a large blob by.
+    pub groups: Vec<Bounds>,
     /// Blob space from element space.
     pub transforms: Vec<Transform>,
     /// By component: own cover as index of `TextureTables::textures`, or `NONE`.
@@ -62,12 +67,13 @@ pub struct BlobShape {
 impl BlobShape {
     /// `None` when nothing has reach.
     pub fn new(threshold: f64, components: &[BlobComponent], textures: Vec<u32>, sturm: bool) -> Option<Self> {
-        let mut shape = Self { threshold, elements: Vec::new(), transforms: Vec::new(), textures, bounds: Bounds::EMPTY, sturm };
+        let mut shape = Self { threshold, elements: Vec::new(), groups: Vec::new(), transforms: Vec::new(), textures, bounds: Bounds::EMPTY, sturm };
         for (k, c) in components.iter().enumerate() {
             shape.add(k as u32, c);
         }
         let positive = shape.elements.iter().filter(|e| e.f0 > 0.0 || threshold < 0.0);
         shape.bounds = positive.fold(Bounds::EMPTY, |b, e| b.union(e.bounds));
+        shape.groups = shape.elements.chunks(GROUP).map(|c| c.iter().fold(Bounds::EMPTY, |b, e| b.union(e.bounds))).collect();
         (!shape.bounds.is_empty()).then_some(shape)
     }
 

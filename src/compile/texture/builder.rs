@@ -42,6 +42,8 @@ pub struct TextureBuilder {
     texture_traits: Vec<Traits>,
     pigment_traits: Vec<Traits>,
     normal_uv: Vec<bool>,
+    /// Some pigment pattern looks at (u, v); which covers use it is not followed up.
+    uv_in_pattern: bool,
     objects: Vec<Arc<Object>>,
 }
 
@@ -78,6 +80,7 @@ impl TextureBuilder {
             texture_traits: Vec::new(),
             pigment_traits: Vec::new(),
             normal_uv: Vec::new(),
+            uv_in_pattern: false,
             objects: Vec::new(),
         }
     }
@@ -168,7 +171,7 @@ impl TextureBuilder {
 
     /// Whether a texture looks at (u, v) itself.
     pub fn needs_uv(&self, t: TextureIx) -> bool {
-        self.texture_traits[t as usize].uv
+        self.uv_in_pattern || self.texture_traits[t as usize].uv
     }
 
     /// The index of a pigment.
@@ -370,7 +373,11 @@ impl TextureBuilder {
                 exterior: *exterior,
                 form: *form,
             },
-            PatternKind::Pigment(p) => PatternCode::Pigment(self.pigment(p)),
+            PatternKind::Pigment(p) => {
+                let ix = self.pigment(p);
+                self.uv_in_pattern |= self.pigment_traits[ix as usize].uv;
+                PatternCode::Pigment(ix)
+            }
             PatternKind::Planar => PatternCode::Planar,
             PatternKind::Quilted { control0, control1 } => {
                 PatternCode::Quilted { control0: f64::from(*control0), control1: f64::from(*control1) }

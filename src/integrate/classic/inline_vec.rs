@@ -5,12 +5,14 @@
 pub struct InlineVec<T, const N: usize> {
     len: usize,
     inline: [T; N],
-    spill: Vec<T>,
+    /// The items behind; boxed, so that copying and dropping a short list asks one pointer.
+    #[expect(clippy::box_collection, reason = "a list with its capacity is three words, a pointer one")]
+    spill: Option<Box<Vec<T>>>,
 }
 
 impl<T: Copy + Default, const N: usize> Default for InlineVec<T, N> {
     fn default() -> Self {
-        Self { len: 0, inline: [T::default(); N], spill: Vec::new() }
+        Self { len: 0, inline: [T::default(); N], spill: None }
     }
 }
 
@@ -31,7 +33,7 @@ impl<T: Copy + Default, const N: usize> InlineVec<T, N> {
     #[inline]
     pub fn get(&self, i: usize) -> T {
         debug_assert!(i < self.len, "items are asked for below len");
-        if i < N { self.inline[i] } else { self.spill[i - N] }
+        if i < N { self.inline[i] } else { self.spilled()[i - N] }
     }
 
     /// The last item.
@@ -46,7 +48,7 @@ impl<T: Copy + Default, const N: usize> InlineVec<T, N> {
         if self.len < N {
             self.inline[self.len] = item;
         } else {
-            self.spill.push(item);
+            self.spill.get_or_insert_default().push(item);
         }
         self.len += 1;
     }
@@ -57,19 +59,24 @@ impl<T: Copy + Default, const N: usize> InlineVec<T, N> {
             let item = self.get(k);
             if k - 1 < N {
                 self.inline[k - 1] = item;
-            } else {
-                self.spill[k - 1 - N] = item;
+            } else if let Some(spill) = &mut self.spill {
+                spill[k - 1 - N] = item;
             }
         }
-        if self.len > N {
-            self.spill.pop();
+        if let (true, Some(spill)) = (self.len > N, &mut self.spill) {
+            spill.pop();
         }
         self.len -= 1;
     }
 
     /// All items in order.
     pub fn iter(&self) -> impl Iterator<Item = T> + '_ {
-        self.inline[..self.len.min(N)].iter().chain(&self.spill).copied()
+        self.inline[..self.len.min(N)].iter().chain(self.spilled()).copied()
+    }
+
+    #[inline]
+    fn spilled(&self) -> &[T] {
+        self.spill.as_ref().map_or(&[], |s| s)
     }
 }
 

@@ -63,7 +63,7 @@ impl Tracer<'_> {
         let way = light_ray(light, point, DVec3::ZERO);
         let area = light.area.as_ref().filter(|_| self.plan.quality.area_lights && !ctx.ray.gathers);
         let spread = area.filter(|a| a.area_illumination);
-        let arriving = if spread.is_some() { light.color } else { light.color * attenuation(light, point, &way) as f32 };
+        let arriving = if spread.is_some() { light.color } else { light.color * attenuation(light, &compiled.beam, point, &way) as f32 };
         if is_dark(arriving) {
             return Vec3::ZERO;
         }
@@ -100,7 +100,7 @@ impl Tracer<'_> {
             for u in 0..a.n1 {
                 let offset = area_offset(a, axes, self.area_place(u, a.jitter, a.n1), self.area_place(v, a.jitter, a.n2));
                 let way = light_ray(light, point, offset);
-                let color = share * attenuation(light, point, &way) as f32;
+                let color = share * attenuation(light, &compiled.beam, point, &way) as f32;
                 let mut behind = false;
                 if !Self::double_illuminated(ctx) && way.dir.dot(layer.normal) < EPSILON {
                     if layer.finish.diffuse_back == 0.0 {

@@ -5,6 +5,7 @@ use super::lights::is_dark;
 use super::ray::{InteriorList, Seen, TraceRay};
 use super::texturing;
 use super::trace::Tracer;
+use crate::compile::CompiledLight;
 use crate::compile::geometry::prim_flags;
 use crate::kernel::light::{attenuation, light_ray};
 use crate::kernel::media::{SampleInterval, beam_piece, extinction, phase_value, sample_intervals};
@@ -185,10 +186,10 @@ impl Tracer<'_> {
             _ => &self.plan.global_lights,
         };
         for ix in lights {
-            let light = &scene.lights[*ix as usize].light;
+            let CompiledLight { light, beam, .. } = &scene.lights[*ix as usize];
             if light.media_interaction
                 && !light.shadowless
-                && let Some((start, end)) = beam_piece(light, ray, depth)
+                && let Some((start, end)) = beam_piece(light, beam, ray, depth)
             {
                 out.push(LitPiece { light_ix: *ix, start, end });
             }
@@ -314,9 +315,9 @@ impl Tracer<'_> {
     }
 
     fn light_at(&mut self, light_ix: u32, around: &InteriorList, point: DVec3) -> (Rgb, DVec3) {
-        let light = &self.scene.lights[light_ix as usize].light;
+        let CompiledLight { light, beam, .. } = &self.scene.lights[light_ix as usize];
         let way = light_ray(light, point, DVec3::ZERO);
-        let color = light.color * attenuation(light, point, &way) as f32;
+        let color = light.color * attenuation(light, beam, point, &way) as f32;
         if is_dark(color) {
             return (color, way.dir);
         }

@@ -106,9 +106,7 @@ fn lights_of_group(scene: &CompiledScene, group: u32) -> Vec<u32> {
 
 /// The interiors of all objects that contain a point.
 pub fn interiors_at(scene: &CompiledScene, p: crate::math::DVec3) -> InteriorList {
-    let mut found = Vec::new();
-    containing_interiors(scene, p, &mut found);
     let mut list = InteriorList::default();
-    found.into_iter().for_each(|i| list.push(scene, i));
+    containing_interiors(scene, p, |i| list.push(scene, i));
     list
 }

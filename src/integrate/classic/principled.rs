@@ -10,6 +10,7 @@ use super::ray::{Seen, TraceRay};
 use super::refract::Through;
 use super::shade::HitContext;
 use super::trace::Tracer;
+use crate::compile::CompiledLight;
 use crate::compile::geometry::prim_flags;
 use crate::kernel::SurfaceHit;
 use crate::kernel::finish::reflect;
@@ -158,11 +159,11 @@ impl Tracer<'_> {
 
     /// One lamp. `memo` is the place of its filtered colour in `Tracer::lit`.
     fn lamp_on_material(&mut self, ctx: &HitContext, lit: &Lit, light_ix: u32, memo: Option<usize>) -> Rgb {
-        let light = &self.scene.lights[light_ix as usize].light;
+        let CompiledLight { light, beam, .. } = &self.scene.lights[light_ix as usize];
         let point = ctx.hit.point;
         let way = light_ray(light, point, DVec3::ZERO);
         let answer = lit.answer(way.dir, 1.0);
-        let color = light.color * attenuation(light, point, &way) as f32;
+        let color = light.color * attenuation(light, beam, point, &way) as f32;
         if is_dark(answer) || is_dark(color) {
             return Vec3::ZERO;
         }

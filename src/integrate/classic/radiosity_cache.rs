@@ -4,6 +4,7 @@
 
 use crate::math::{DVec3, Rgb, Vec3};
 use std::collections::HashMap;
+use std::hash::BuildHasherDefault;
 
 /// Indirect light gathered at a point.
 #[derive(Clone, Copy, Debug)]
@@ -33,16 +34,57 @@ pub(super) struct Query {
     pub smooth: bool,
 }
 
-/// Size of a cell as a power of two, and its place.
-type CellKey = (i32, [i64; 3]);
+/// Bounces and size of a cell as a power of two, and its place.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct CellKey {
+    bounce: u32,
+    size: i32,
+    place: [i64; 3],
+}
+
+impl std::hash::Hash for CellKey {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        // One number is enough to tell cells apart in a table that is never attacked.
+        let mix = |h: u64, v: u64| (h ^ v).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
+        let [x, y, z] = self.place.map(|v| v as u64);
+        state.write_u64(mix(mix(mix(u64::from(self.bounce) << 32 ^ u64::from(self.size as u32), x), y), z));
+    }
+}
+
+/// Takes the number that [`CellKey`] made as it is.
+#[derive(Default)]
+struct CellHasher(u64);
+
+impl std::hash::Hasher for CellHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|b| self.0 = self.0.wrapping_mul(31).wrapping_add(u64::from(*b)));
+    }
+
+    fn write_u64(&mut self, v: u64) {
+        self.0 = v.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    }
+}
+
+/// A sample as lookups meet it first.
+#[derive(Clone, Copy)]
+struct Filed {
+    point: DVec3,
+    reach: f64,
+    ix: u32,
+}
 
 /// All samples of a picture.
 #[derive(Default)]
 pub(super) struct RadiosityCache {
     samples: Vec<RadiositySample>,
-    cells: HashMap<CellKey, Vec<u32>>,
-    /// Cells by size, so that lookups skip sizes that do not occur.
-    n_by_size: std::collections::BTreeMap<i32, u32>,
+    /// By place in a raster shifted by half a cell: the samples of the two cells along each axis that may hold some within reach.
+    cells: HashMap<CellKey, Vec<Filed>, BuildHasherDefault<CellHasher>>,
+    /// By bounces: the sizes of cells that occur, ascending.
+    sizes: Vec<Vec<i32>>,
 }
 
 /// Shift of the raster, so that the whole of a scene lies on one side.
@@ -56,34 +98,39 @@ impl RadiosityCache {
         if !(radius > 0.0 && radius.is_finite()) || self.samples.len() >= MAX_SAMPLES {
             return;
         }
-        let key = fitting_cell(sample.point, radius);
-        self.cells.entry(key).or_insert_with(|| {
-            *self.n_by_size.entry(key.0).or_default() += 1;
-            Vec::new()
-        });
-        let ix = self.samples.len() as u32;
+        let (size, place) = fitting_cell(sample.point, radius);
+        let bounce = sample.bounce;
+        if self.sizes.len() <= bounce as usize {
+            self.sizes.resize(bounce as usize + 1, Vec::new());
+        }
+        let sizes = &mut self.sizes[bounce as usize];
+        if let Err(at) = sizes.binary_search(&size) {
+            sizes.insert(at, size);
+        }
+        let filed = Filed { point: sample.point, reach: sample.reach, ix: self.samples.len() as u32 };
         self.samples.push(sample);
-        if let Some(cell) = self.cells.get_mut(&key) {
-            cell.push(ix);
+        for corner in 0..8u8 {
+            let place = std::array::from_fn(|k| place[k] - i64::from(corner >> k & 1));
+            self.cells.entry(CellKey { bounce, size, place }).or_default().push(filed);
         }
     }
 
     /// Sum of the weights of samples that may be reused, and their weighted sum.
     pub fn lookup(&self, q: &Query) -> (f64, Vec3) {
         let (mut sum, mut value) = (0.0, Vec3::ZERO);
-        for size in self.n_by_size.keys() {
-            let side = 2f64.powi(*size);
-            // Cells grown by half a side that hold the point: two along each axis.
-            let low = ((q.point + DVec3::splat(ORIGIN)) / side - DVec3::splat(0.5)).floor();
-            for corner in 0..8u8 {
-                let place = |k: u8| low[k as usize] as i64 + i64::from(corner >> k & 1);
-                let Some(cell) = self.cells.get(&(*size, [place(0), place(1), place(2)])) else { continue };
-                for ix in cell {
-                    let s = &self.samples[*ix as usize];
-                    let w = reuse_weight(s, q);
-                    sum += w;
-                    value += w as f32 * s.value;
+        for size in self.sizes.get(q.bounce as usize).into_iter().flatten() {
+            // Cells grown by half a side that hold the point: two along each axis, which are filed under the lower one.
+            let low = ((q.point + DVec3::splat(ORIGIN)) / 2f64.powi(*size) - DVec3::splat(0.5)).floor();
+            let key = CellKey { bounce: q.bounce, size: *size, place: low.to_array().map(|v| v as i64) };
+            for f in self.cells.get(&key).into_iter().flatten() {
+                let near = f.reach * q.error;
+                if q.point.distance_squared(f.point) > near * near * (1.0 + 1e-9) {
+                    continue;
                 }
+                let s = &self.samples[f.ix as usize];
+                let w = reuse_weight(s, q);
+                sum += w;
+                value += w as f32 * s.value;
             }
         }
         (sum, value)
@@ -95,7 +142,8 @@ impl RadiosityCache {
     }
 }
 
-fn fitting_cell(p: DVec3, radius: f64) -> CellKey {
+/// Size and place of the smallest cell that holds the ball, grown by half its side.
+fn fitting_cell(p: DVec3, radius: f64) -> (i32, [i64; 3]) {
     let mut size = (2.0 * radius).log2().floor().clamp(-60.0, 40.0) as i32;
     loop {
         let side = 2f64.powi(size);

@@ -84,6 +84,10 @@ pub fn intersect_poly(s: &PolyShape, ray: &LocalRay, sink: &mut impl HitSink) {
     if n.saturating_sub(lead) <= 1 {
         return;
     }
+    // Without a change of sign there is no root ahead of the ray (Descartes).
+    if c.iter().all(|v| *v >= 0.0) || c.iter().all(|v| *v <= 0.0) {
+        return;
+    }
     let roots = solve_polynomial(c, s.sturm, 1e-4);
     for (k, t) in roots.iter().enumerate() {
         if !roots[..k].contains(t) {
@@ -131,19 +135,38 @@ fn substitute_high(s: &PolyShape, ray: &LocalRay, out: &mut [f64; MAX_ORDER + 1]
     substitute::<{ MAX_ORDER + 1 }>(s, ray, out);
 }
 
+/// Powers of the coordinates up to the order of the surface, which is below `N`.
+#[inline]
+fn powers_of<const N: usize>(s: &PolyShape, p: DVec3) -> [[f64; N]; 3] {
+    p.to_array().map(|v| {
+        let mut powers = [1.0; N];
+        for k in 1..=(s.order as usize).min(N - 1) {
+            powers[k] = powers[k - 1] * v;
+        }
+        powers
+    })
+}
+
 /// The polynomial at a point; below 1e-4 is inside.
 pub fn poly_value(s: &PolyShape, p: DVec3) -> f64 {
-    s.terms.iter().map(|t| t.factor * p.x.powi(t.powers[0].into()) * p.y.powi(t.powers[1].into()) * p.z.powi(t.powers[2].into())).sum()
+    if s.order < 5 { poly_value_of::<5>(s, p) } else { poly_value_of::<{ MAX_ORDER + 1 }>(s, p) }
+}
+
+fn poly_value_of<const N: usize>(s: &PolyShape, p: DVec3) -> f64 {
+    let powers = powers_of::<N>(s, p);
+    let at = |axis: usize, t: &[u8; 3]| powers[axis][usize::from(t[axis])];
+    s.terms.iter().map(|t| t.factor * at(0, &t.powers) * at(1, &t.powers) * at(2, &t.powers)).sum()
 }
 
 /// Gradient; x where it vanishes.
 pub fn poly_normal(s: &PolyShape, p: DVec3) -> DVec3 {
+    let powers = powers_of::<{ MAX_ORDER + 1 }>(s, p);
     let mut n = DVec3::ZERO;
     for t in &s.terms {
-        let [i, j, k] = t.powers.map(i32::from);
-        let (x, y, z) = (p.x.powi(i), p.y.powi(j), p.z.powi(k));
-        let slope = |v: f64, e: i32| if e == 0 { 0.0 } else { f64::from(e) * v.powi(e - 1) };
-        n += t.factor * DVec3::new(slope(p.x, i) * y * z, x * slope(p.y, j) * z, x * y * slope(p.z, k));
+        let [i, j, k] = t.powers.map(usize::from);
+        let (x, y, z) = (powers[0][i], powers[1][j], powers[2][k]);
+        let slope = |axis: usize, e: usize| if e == 0 { 0.0 } else { e as f64 * powers[axis][e - 1] };
+        n += t.factor * DVec3::new(slope(0, i) * y * z, x * slope(1, j) * z, x * y * slope(2, k));
     }
     if n == DVec3::ZERO { DVec3::X } else { n }
 }

@@ -1,9 +1,9 @@
 //! Blobs: along a ray the field is a sum of quartics, one for each element in reach. Source: spec/objects.md, section 4.
 
 use super::{HitSink, LocalRay, Part};
-use crate::compile::shape::blob::{BlobElement, BlobElementKind, BlobShape};
+use crate::compile::shape::blob::{BlobElement, BlobElementKind, BlobShape, GROUP};
 use crate::math::roots::solve_polynomial;
-use crate::math::{DVec3, EPSILON, MAX_DISTANCE};
+use crate::math::{Bounds, DVec3, EPSILON, MAX_DISTANCE};
 use std::cell::RefCell;
 
 /// Hits nearer than this are not seen: large, as in POV-Ray.
@@ -33,12 +33,18 @@ pub fn intersect_blob(s: &BlobShape, ray: &LocalRay, all: bool, sink: &mut impl 
     let moved = LocalRay { origin: ray.at(start), ..*ray };
     EVENTS.with_borrow_mut(|events| {
         events.clear();
-        for e in &s.elements {
-            if let Some((t0, t1, quartic)) = element_interval(s, e, &moved) {
-                let t0 = t0.max(0.0);
-                if t1 > t0 && t0 <= end - start {
-                    events.push(Event { t: t0, enters: true, quartic });
-                    events.push(Event { t: t1, enters: false, quartic });
+        let slabs = Reach { origin: moved.origin, inverse: moved.dir.recip(), end: end - start };
+        for (group, b) in s.elements.chunks(GROUP).zip(&s.groups) {
+            if !slabs.meet(b) {
+                continue;
+            }
+            for e in group.iter().filter(|e| slabs.meet(&e.bounds)) {
+                if let Some((t0, t1, quartic)) = element_interval(s, e, &moved) {
+                    let t0 = t0.max(0.0);
+                    if t1 > t0 && t0 <= end - start {
+                        events.push(Event { t: t0, enters: true, quartic });
+                        events.push(Event { t: t1, enters: false, quartic });
+                    }
                 }
             }
         }
@@ -66,6 +72,24 @@ pub fn intersect_blob(s: &BlobShape, ray: &LocalRay, all: bool, sink: &mut impl 
             }
         }
     });
+}
+
+/// A piece of a ray for box tests that may err towards meeting.
+struct Reach {
+    origin: DVec3,
+    inverse: DVec3,
+    end: f64,
+}
+
+impl Reach {
+    #[inline]
+    fn meet(&self, b: &Bounds) -> bool {
+        let (a, c) = ((b.min - self.origin) * self.inverse, (b.max - self.origin) * self.inverse);
+        // 0 * infinity is NaN where the ray runs in a face; f64::min and max then take the other side.
+        let near = a.x.min(c.x).max(a.y.min(c.y)).max(a.z.min(c.z)).max(0.0);
+        let far = a.x.max(c.x).min(a.y.max(c.y)).min(a.z.max(c.z)).min(self.end);
+        near <= far + 1e-9 * far.abs()
+    }
 }
 
 /// Solves within an interval; whether there was a hit.
@@ -103,7 +127,7 @@ fn may_vanish(p: &[f64; 5], a: f64, b: f64) -> bool {
     all.iter().any(|v| *v <= slack) && all.iter().any(|v| *v >= -slack)
 }
 
-fn box_interval(b: &crate::math::Bounds, ray: &LocalRay) -> Option<(f64, f64)> {
+fn box_interval(b: &Bounds, ray: &LocalRay) -> Option<(f64, f64)> {
     let (mut t0, mut t1) = (0.0f64, MAX_DISTANCE);
     for k in 0..3 {
         let (o, d) = (ray.origin[k], ray.dir[k]);
@@ -208,9 +232,22 @@ fn field_at(e: &BlobElement, d_sq: f64) -> f64 {
     (e.f4 * d_sq + e.f2) * d_sq + e.f0
 }
 
+/// Calls `f` with the elements whose boxes hold a point of blob space, in order.
+#[inline]
+fn near_elements<'s>(s: &'s BlobShape, p: DVec3, mut f: impl FnMut(&'s BlobElement)) {
+    let holds = |b: &Bounds| p.cmpge(b.min).all() && p.cmple(b.max).all();
+    for (group, b) in s.elements.chunks(GROUP).zip(&s.groups) {
+        if holds(b) {
+            group.iter().filter(|e| holds(&e.bounds)).for_each(&mut f);
+        }
+    }
+}
+
 /// Field at a point of blob space.
 pub fn blob_field(s: &BlobShape, p: DVec3) -> f64 {
-    s.elements.iter().filter_map(|e| offset(s, e, p).map(|d| field_at(e, d.length_squared()))).sum()
+    let mut sum = 0.0;
+    near_elements(s, p, |e| sum += offset(s, e, p).map_or(0.0, |d| field_at(e, d.length_squared())));
+    sum
 }
 
 /// Where the field is above the threshold, or barely below.
@@ -221,12 +258,12 @@ pub fn inside_blob(s: &BlobShape, p: DVec3) -> bool {
 /// Against the field's gradient; x where it vanishes.
 pub fn blob_normal(s: &BlobShape, p: DVec3) -> DVec3 {
     let mut n = DVec3::ZERO;
-    for e in &s.elements {
+    near_elements(s, p, |e| {
         if let Some(d) = offset(s, e, p) {
             let g = (-2.0 * e.f2 - 4.0 * e.f4 * d.length_squared()) * d;
             n += s.transforms.get(e.transform_ix as usize).map_or(g, |t| t.normal(g));
         }
-    }
+    });
     if n == DVec3::ZERO { DVec3::X } else { n }
 }
 
@@ -234,8 +271,8 @@ pub fn blob_normal(s: &BlobShape, p: DVec3) -> DVec3 {
 pub fn blob_weights(s: &BlobShape, p: DVec3, mut f: impl FnMut(u32, f64)) {
     // Elements of one component are neighbours.
     let mut current: Option<(u32, f64)> = None;
-    for e in &s.elements {
-        let Some(d) = offset(s, e, p) else { continue };
+    near_elements(s, p, |e| {
+        let Some(d) = offset(s, e, p) else { return };
         let v = field_at(e, d.length_squared()).abs();
         match &mut current {
             Some((c, sum)) if *c == e.component => *sum += v,
@@ -245,7 +282,7 @@ pub fn blob_weights(s: &BlobShape, p: DVec3, mut f: impl FnMut(u32, f64)) {
                 }
             }
         }
-    }
+    });
     if let Some((c, sum)) = current {
         f(c, sum);
     }

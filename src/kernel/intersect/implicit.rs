@@ -72,32 +72,36 @@ pub fn intersect_isosurface(s: &IsosurfaceShape, ray: &LocalRay, f: &impl Fn(DVe
         g *= p2;
     }
     let (mut sign, mut n_found) = (1.0, 0);
+    // Evaluations are what this costs: the ends' values are kept.
+    let (mut at_min, mut at_max) = (None, None);
     if near > a {
-        if !s.open && value(t_min) < 0.0 {
+        if !s.open && *at_min.insert(value(t_min)) < 0.0 {
             sink.push(near, Part::side(near_face));
             n_found += 1;
             sign = -1.0;
         }
     } else {
         // A ray that starts at the surface must not meet it again.
-        let f = value(t_min);
+        let f = *at_min.insert(value(t_min));
         if (if s.open { f.abs() } else { f }) < 4.0 * g * s.accuracy {
             t_min += 5.0 * a;
-            if value(t_min) < 0.0 {
+            if *at_min.insert(value(t_min)) < 0.0 {
                 sign = -1.0;
             }
         }
-        if !s.open && value(t_max) < 0.0 {
+        if !s.open && *at_max.insert(value(t_max)) < 0.0 {
             sink.push(t_max, Part::side(far_face));
         }
     }
     let mut budget = MAX_EVALUATIONS;
     while n_found < s.max_trace && t_max - t_min >= a {
-        let f_min = value(t_min);
+        let f_min = at_min.take().unwrap_or_else(|| value(t_min));
+        let f_max = *at_max.get_or_insert_with(|| value(t_max));
         if s.open && f_min * sign < 0.0 {
             sign = -sign;
         }
-        let Some(t) = first_root(s, a, &value, t_min, f_min * sign, t_max, sign, &mut g, &mut budget) else { return };
+        let (start, end) = ((t_min, f_min * sign), (t_max, f_max * sign));
+        let Some(t) = first_root(s, a, &value, start, end, sink.far(), sign, &mut g, &mut budget) else { return };
         if t > EPSILON {
             sink.push(t, Part::side(SURFACE));
         }
@@ -111,14 +115,14 @@ pub fn intersect_isosurface(s: &IsosurfaceShape, ray: &LocalRay, f: &impl Fn(DVe
 }
 
 /// Bisection, near half first: an interval whose ends are too high for the slope to reach zero is left out. The root is the far
-/// end of the last interval.
+/// end of the last interval. Beyond `far` nothing is wanted.
 fn first_root(
     s: &IsosurfaceShape,
     accuracy: f64,
     value: &impl Fn(f64) -> f64,
-    t_min: f64,
-    f_min: f64,
-    t_max: f64,
+    start: (f64, f64),
+    end: (f64, f64),
+    far: f64,
     sign: f64,
     g: &mut f64,
     budget: &mut u32,
@@ -126,9 +130,12 @@ fn first_root(
     // Far ends still to be looked at, nearest on top.
     let mut ends = [(0.0, 0.0); 64];
     let mut n = 1;
-    ends[0] = (t_max, value(t_max) * sign);
-    let (mut t1, mut f1) = (t_min, f_min);
+    ends[0] = end;
+    let (mut t1, mut f1) = start;
     while n > 0 {
+        if t1 > far {
+            return None;
+        }
         let (t2, f2) = ends[n - 1];
         let len = t2 - t1;
         if let Some([_, p1, _]) = s.evaluate {

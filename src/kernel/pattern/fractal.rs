@@ -50,7 +50,9 @@ pub fn fractal(f: &FractalPattern, p: DVec3) -> f64 {
     // What does not change from step to step.
     let (c1, c2) = (c.plus(-1.0), c.plus(-2.0));
     let c12 = c1.mul(c2);
-    for i in 0..f.iterations {
+    let mut cycle = Cycle { saved: z, age: 0, limit: 8, found: false };
+    let (mut i, mut end) = (0, f.iterations);
+    while i < end {
         z = match f.magnet {
             0 => z.pow(f.exponent).add(c),
             1 => z.square().add(c1).div(z.scale(2.0).add(c2)).square(),
@@ -69,8 +71,40 @@ pub fn fractal(f: &FractalPattern, p: DVec3) -> f64 {
         if escaped {
             return exterior(f, z, i);
         }
+        i += 1;
+        if let Some(period) = cycle.look(z) {
+            // All that is to come was there before: only the place in the cycle at the end matters.
+            end = i + (end - i) % period;
+        }
     }
     interior(f, z, least)
+}
+
+/// Finds the first exact repetition of an orbit, after Brent 1980: orbits that do not escape mostly end in a cycle of their roundings.
+struct Cycle {
+    saved: C,
+    age: u32,
+    limit: u32,
+    found: bool,
+}
+
+impl Cycle {
+    /// Takes the next point; the period when it is the saved one again, once.
+    #[inline(always)]
+    fn look(&mut self, z: C) -> Option<u32> {
+        if self.found {
+            return None;
+        }
+        self.age += 1;
+        if z.0 == self.saved.0 && z.1 == self.saved.1 {
+            self.found = true;
+            return Some(self.age);
+        }
+        if self.age == self.limit {
+            (self.saved, self.age, self.limit) = (z, 0, self.limit.saturating_mul(2));
+        }
+        None
+    }
 }
 
 fn exterior(f: &FractalPattern, z: C, i: u32) -> f64 {
@@ -100,5 +134,17 @@ fn interior(f: &FractalPattern, z: C, least: f64) -> f64 {
         5 => z.1 * z.1 * factor,
         // Only the imaginary part is multiplied (measured).
         _ => z.0 * z.0 + factor * z.1 * z.1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cycle_is_found_with_its_period_and_once() {
+        let mut cycle = Cycle { saved: C(-1.0, 0.0), age: 0, limit: 8, found: false };
+        let found: Vec<_> = (0..100).filter_map(|k| cycle.look(C(f64::from(if k < 20 { 100 + k } else { k % 7 }), 0.0))).collect();
+        assert_eq!(found, [7]);
     }
 }

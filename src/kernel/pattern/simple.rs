@@ -1,6 +1,6 @@
 //! Patterns of plain geometry. Source: spec/textures.md, section 2 (measured).
 
-use super::below_one;
+use super::{below_one, fraction};
 use crate::compile::texture::SlopeParams;
 use crate::kernel::PatternPoint;
 use crate::math::{DVec3, EPSILON};
@@ -133,13 +133,8 @@ pub fn slope(s: &SlopeParams, p: DVec3, at: &PatternPoint) -> f64 {
     let v = ranged((angle * 2.0 / PI + 1.0) * 0.5, s.low, s.high);
     match s.altitude {
         None if v == 1.0 => 1.0 - EPSILON,
-        None => {
-            if v < 0.0 {
-                1.0 + v % 1.0
-            } else {
-                v % 1.0
-            }
-        }
+        None if v < 0.0 => 1.0 + fraction(v),
+        None => fraction(v),
         Some((axis, low, high, share)) => below_one(share * v + (1.0 - share) * ranged(p.dot(axis), low, high)),
     }
 }
