@@ -480,17 +480,44 @@ impl Flattener {
         record.bounded_by = start..self.geometry.bounding_objects.len() as u32;
         let prims = record.prims.clone();
         let bounds = self.geometry.bounding_objects[start as usize..].to_vec();
-        self.flag_bounded(prims, |g, leaf| bounds.iter().all(|b| surely_holds(g, *b, leaf)));
+        self.flag_bounded(prims, |f, leaf| bounds.iter().all(|b| f.surely_holds(*b, leaf)));
         Ok(())
     }
 
     /// Marks the primitives whose object's bounds must be asked: not those whose own box lies within, which meet them whenever they are met.
-    fn flag_bounded(&mut self, prims: std::ops::Range<u32>, holds: impl Fn(&Geometry, &Bounds) -> bool) {
+    fn flag_bounded(&mut self, prims: std::ops::Range<u32>, holds: impl Fn(&Self, &Bounds) -> bool) {
         for k in prims.start as usize..prims.end as usize {
-            if !holds(&self.geometry, &self.geometry.bounds[k]) {
+            if !holds(self, &self.geometry.bounds[k]) {
                 self.geometry.prims[k].flags |= prim_flags::BOUNDED;
             }
         }
+    }
+
+    /// Whether an object is one convex shape with the whole of `b` inside.
+    fn surely_holds(&self, object_ix: u32, b: &Bounds) -> bool {
+        let (g, shapes) = (&self.geometry, &self.leaves.shapes);
+        let object = &g.objects[object_ix as usize];
+        let [prim] = &g.prims[object.prims.start as usize..object.prims.end as usize] else { return false };
+        if prim.flags & prim_flags::INVERTED != 0 || object.bounded_by.start != object.bounded_by.end || object.cull_box.is_some() {
+            return false;
+        }
+        let (ix, to_world) = (prim.shape_ix as usize, &self.transforms.items[prim.transform_ix as usize]);
+        (0..8u8).all(|corner| {
+            let side = |k: u8| if corner >> k & 1 == 0 { b.min[k as usize] } else { b.max[k as usize] };
+            let p = to_world.inverse_point(DVec3::new(side(0), side(1), side(2)));
+            match prim.kind {
+                PrimKind::Sphere => {
+                    let s = &shapes.spheres[ix];
+                    p.distance(s.center) < s.radius
+                }
+                PrimKind::Box => {
+                    let s = &shapes.boxes[ix];
+                    p.cmpge(s.min).all() && p.cmple(s.max).all()
+                }
+                PrimKind::Cylinder => p.x * p.x + p.y * p.y < 1.0 && p.z > 0.0 && p.z < 1.0,
+                _ => false,
+            }
+        })
     }
 
     /// POV-Ray's box of a CSG where it leaves out some of the surface. POV-Ray looks at boxes from three objects on.
@@ -701,32 +728,6 @@ impl Flattener {
         }
         Ok(())
     }
-}
-
-/// Whether an object is one convex shape with the whole of `b` inside.
-fn surely_holds(g: &Geometry, object_ix: u32, b: &Bounds) -> bool {
-    let object = &g.objects[object_ix as usize];
-    let [prim] = &g.prims[object.prims.start as usize..object.prims.end as usize] else { return false };
-    if prim.flags & prim_flags::INVERTED != 0 || object.bounded_by.start != object.bounded_by.end || object.cull_box.is_some() {
-        return false;
-    }
-    let (ix, to_world) = (prim.shape_ix as usize, &g.transforms[prim.transform_ix as usize]);
-    (0..8u8).all(|corner| {
-        let side = |k: u8| if corner >> k & 1 == 0 { b.min[k as usize] } else { b.max[k as usize] };
-        let p = to_world.inverse_point(DVec3::new(side(0), side(1), side(2)));
-        match prim.kind {
-            PrimKind::Sphere => {
-                let s = &g.shapes.spheres[ix];
-                p.distance(s.center) < s.radius
-            }
-            PrimKind::Box => {
-                let s = &g.shapes.boxes[ix];
-                p.cmpge(s.min).all() && p.cmple(s.max).all()
-            }
-            PrimKind::Cylinder => p.x * p.x + p.y * p.y < 1.0 && p.z > 0.0 && p.z < 1.0,
-            _ => false,
-        }
-    })
 }
 
 /// A box whose sides at the limit of the world are no sides.
