@@ -165,6 +165,8 @@ impl Flattener {
                 geometry.bounded.push(k as u32);
             }
         }
+        let solids = geometry.objects.iter().enumerate().filter(|(_, o)| o.visible && o.solid && o.inside.len > 0);
+        geometry.solids = solids.map(|(k, o)| (o.inside_bounds, k as u32)).collect();
         geometry.tree = Accel::build(self.accel, &BoundedPrims { geometry: &geometry }, &SCENE_TREE);
         (geometry, self)
     }

@@ -197,6 +197,8 @@ pub struct Geometry {
     pub clip_boxes: Vec<Bounds>,
     /// Top-level objects in the order of the file (unions dissolved), hidden ones among them.
     pub objects: Vec<ObjectRecord>,
+    /// Visible objects made of shapes that have an inside, with the box of that inside, in the order of the file.
+    pub solids: Vec<(Bounds, u32)>,
     /// Primitives without finite bounds that rays can hit.
     pub unbounded: Vec<u32>,
     /// Primitives with finite bounds that rays can hit.

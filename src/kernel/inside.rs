@@ -77,9 +77,10 @@ pub fn inside_object(scene: &CompiledScene, object_ix: u32, p: DVec3) -> bool {
 
 /// Calls `f` with the interiors of all visible objects that contain `p`, in the order of the file. Source: spec/light.md, section 1.
 pub fn containing_interiors(scene: &CompiledScene, p: DVec3, mut f: impl FnMut(u32)) {
-    for (k, o) in scene.geometry.objects.iter().enumerate() {
-        if o.visible && o.solid && inside_object(scene, k as u32, p) {
-            f(o.interior_ix);
+    let g = &scene.geometry;
+    for (b, k) in &g.solids {
+        if p.cmpge(b.min).all() && p.cmple(b.max).all() && inside_object(scene, *k, p) {
+            f(g.objects[*k as usize].interior_ix);
         }
     }
 }

@@ -72,7 +72,14 @@ pub fn fade(fade: Fade, distance: f64) -> f64 {
         Fade::Pov { distance: d, power } if power > 0.0 && d != 0.0 => {
             let x = distance / d;
             // The powers that scenes use need no logarithm.
-            2.0 / (1.0 + if power == 2.0 { x * x } else if power == 1.0 { x } else { x.powf(power) })
+            2.0 / (1.0
+                + if power == 2.0 {
+                    x * x
+                } else if power == 1.0 {
+                    x
+                } else {
+                    x.powf(power)
+                })
         }
         Fade::InverseSquare => 1.0 / (distance * distance).max(1e-8),
         _ => 1.0,

@@ -180,10 +180,15 @@ mod tests {
     fn spot_lights_the_part_of_a_ray_inside_its_cone() {
         let kind = LightKind::Spot { radius_rad: 0.3, falloff_rad: 45f64.to_radians(), tightness: 0.0 };
         let light = Light { kind, point_at: DVec3::NEG_Y, ..Light::point(DVec3::ZERO, Vec3::ONE) };
-        let (a, b) = beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(-5.0, -2.0, 0.0), DVec3::X), 100.0).expect("crosses the cone");
+        let (a, b) =
+            beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(-5.0, -2.0, 0.0), DVec3::X), 100.0).expect("crosses the cone");
         assert!((a - 3.0).abs() < 1e-9 && (b - 7.0).abs() < 1e-9, "{a} {b}");
-        assert!(beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(-5.0, 2.0, 0.0), DVec3::X), 100.0).is_none(), "behind the light");
-        let (a, b) = beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(0.0, -1.0, 0.0), DVec3::NEG_Y), 100.0).expect("along the axis");
+        assert!(
+            beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(-5.0, 2.0, 0.0), DVec3::X), 100.0).is_none(),
+            "behind the light"
+        );
+        let (a, b) = beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(0.0, -1.0, 0.0), DVec3::NEG_Y), 100.0)
+            .expect("along the axis");
         assert_eq!((a, b), (0.0, 100.0));
     }
 
@@ -191,7 +196,8 @@ mod tests {
     fn cylinder_lights_the_part_of_a_ray_inside_it() {
         let kind = LightKind::Cylinder { radius: 1.0, falloff: 2.0, tightness: 0.0 };
         let light = Light { kind, point_at: DVec3::NEG_Y, ..Light::point(DVec3::ZERO, Vec3::ONE) };
-        let (a, b) = beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(-5.0, -2.0, 0.0), DVec3::X), 6.0).expect("crosses the beam");
+        let (a, b) =
+            beam_piece(&light, &LightBeam::new(&light), &Ray::new(DVec3::new(-5.0, -2.0, 0.0), DVec3::X), 6.0).expect("crosses the beam");
         assert!((a - 3.0).abs() < 1e-9 && (b - 6.0).abs() < 1e-9);
     }
 

@@ -156,10 +156,8 @@ const MAX_RASTER: usize = 1024;
 
 impl UvRaster {
     fn new(mesh: &Mesh) -> Self {
-        let boxes: Vec<(DVec2, DVec2)> = (0..mesh.faces.len())
-            .map_while(|k| uv_corners(mesh, k))
-            .map(|[p, q, r]| (p.min(q).min(r), p.max(q).max(r)))
-            .collect();
+        let boxes: Vec<(DVec2, DVec2)> =
+            (0..mesh.faces.len()).map_while(|k| uv_corners(mesh, k)).map(|[p, q, r]| (p.min(q).min(r), p.max(q).max(r))).collect();
         let (low, high) = boxes.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), (p, q)| (a.min(*p), b.max(*q)));
         if !(low.is_finite() && high.is_finite()) {
             return Self::default();

@@ -283,7 +283,11 @@ fn surface_hit(scene: &CompiledScene, ray: &Ray, t: f64, prim_ix: u32, part: &Pa
         face_ix: part.face,
         point,
         normal: if prim.flags & prim_flags::INVERTED != 0 { -n } else { n },
-        uv: if prim.flags & (prim_flags::UV_MAPPING | prim_flags::NEEDS_UV) != 0 { shape_uv(g, prim, local, point, part) } else { DVec2::ZERO },
+        uv: if prim.flags & (prim_flags::UV_MAPPING | prim_flags::NEEDS_UV) != 0 {
+            shape_uv(g, prim, local, point, part)
+        } else {
+            DVec2::ZERO
+        },
         barycentric: DVec2::new(part.a, part.b),
     }
 }

@@ -64,6 +64,8 @@ pub struct PolyShape {
     pub order: u32,
     /// Terms with a factor, in POV-Ray's order (x, then y, then z falling).
     pub terms: Vec<PolyTerm>,
+    /// All coefficients in the same order, zeros among them, for Horner's scheme.
+    pub coefficients: Vec<f64>,
     /// Roots by Sturm chains.
     pub sturm: bool,
 }
@@ -87,7 +89,7 @@ impl PolyShape {
                 }
             }
         }
-        list.next().is_none().then_some(Self { order, terms, sturm })
+        list.next().is_none().then_some(Self { order, terms, coefficients: coefficients.to_vec(), sturm })
     }
 }
 

@@ -67,7 +67,8 @@ pub struct BlobShape {
 impl BlobShape {
     /// `None` when nothing has reach.
     pub fn new(threshold: f64, components: &[BlobComponent], textures: Vec<u32>, sturm: bool) -> Option<Self> {
-        let mut shape = Self { threshold, elements: Vec::new(), groups: Vec::new(), transforms: Vec::new(), textures, bounds: Bounds::EMPTY, sturm };
+        let mut shape =
+            Self { threshold, elements: Vec::new(), groups: Vec::new(), transforms: Vec::new(), textures, bounds: Bounds::EMPTY, sturm };
         for (k, c) in components.iter().enumerate() {
             shape.add(k as u32, c);
         }

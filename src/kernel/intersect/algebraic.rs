@@ -56,7 +56,7 @@ pub fn intersect_poly(s: &PolyShape, ray: &LocalRay, sink: &mut impl HitSink) {
     let n = s.order as usize;
     let mut along = [0.0; MAX_ORDER + 1];
     if n <= 4 {
-        substitute::<5>(s, ray, &mut along)
+        along[..5].copy_from_slice(&substitute_low(s, ray));
     } else {
         substitute_high(s, ray, &mut along)
     }
@@ -94,6 +94,51 @@ pub fn intersect_poly(s: &PolyShape, ray: &LocalRay, sink: &mut impl HitSink) {
             push(*t);
         }
     }
+}
+
+/// Coefficients along the ray for orders up to 4, from the lowest up: Horner's scheme in x over polynomials in y over polynomials in z,
+/// each a polynomial in t.
+fn substitute_low(s: &PolyShape, ray: &LocalRay) -> [f64; 5] {
+    type Along = [f64; 5];
+    // Multiplies by o + d t; what would be the fifth power is 0.
+    let times = |p: &mut Along, o: f64, d: f64| {
+        for m in (1..5).rev() {
+            p[m] = p[m] * o + p[m - 1] * d;
+        }
+        p[0] *= o;
+    };
+    let (o, d) = (ray.origin, ray.dir);
+    let n = s.order as usize;
+    let mut coefficients = s.coefficients.iter();
+    let (mut in_x, mut any_x) = ([0.0; 5], false);
+    for x in (0..=n).rev() {
+        let (mut in_y, mut any_y) = ([0.0; 5], false);
+        for y in (0..=n - x).rev() {
+            let (mut in_z, mut any_z) = ([0.0; 5], false);
+            for factor in coefficients.by_ref().take(n - x - y + 1) {
+                if any_z {
+                    times(&mut in_z, o.z, d.z);
+                }
+                in_z[0] += factor;
+                any_z |= *factor != 0.0;
+            }
+            if any_y {
+                times(&mut in_y, o.y, d.y);
+            }
+            if any_z {
+                in_y.iter_mut().zip(in_z).for_each(|(a, b)| *a += b);
+                any_y = true;
+            }
+        }
+        if any_x {
+            times(&mut in_x, o.x, d.x);
+        }
+        if any_y {
+            in_x.iter_mut().zip(in_y).for_each(|(a, b)| *a += b);
+            any_x = true;
+        }
+    }
+    in_x
 }
 
 /// Coefficients along the ray for orders below `N`, from the lowest up.
