@@ -10,7 +10,7 @@ use crate::backend::BackendError;
 use crate::compile::geometry::{InsideStep, PrimKind, prim_flags};
 use crate::compile::{CompiledScene, NONE};
 use crate::integrate::classic::ScenePlan;
-use crate::kernel::light::{SUN_DISTANCE, light_axis};
+use crate::kernel::light::SUN_DISTANCE;
 use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE};
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Vec3};
 use crate::scene::light::{Fade, LightKind};
@@ -117,7 +117,7 @@ impl SceneBuffers {
             words,
             meshes,
             finishes: scene.textures.finishes.iter().map(finish).collect(),
-            lights: scene.lights.iter().map(|l| light(&l.light)).collect(),
+            lights: scene.lights.iter().map(|l| light(&l.light, &l.beam)).collect(),
             interiors: scene.interiors.iter().map(interior).collect(),
             textures,
             options: ShaderOptions::default(),
@@ -483,12 +483,12 @@ fn finish(f: &crate::scene::Finish) -> Finish {
     }
 }
 
-fn light(l: &crate::scene::Light) -> Light {
+fn light(l: &crate::scene::Light, beam: &crate::compile::LightBeam) -> Light {
     let mut out = Light {
         location: v3(l.location),
         point_at: v3(l.point_at),
         color: l.color.to_array(),
-        axis: v3(light_axis(l)),
+        axis: v3(beam.axis),
         ..Light::default()
     };
     let mut flags = 0;
