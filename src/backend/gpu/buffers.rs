@@ -484,13 +484,8 @@ fn finish(f: &crate::scene::Finish) -> Finish {
 }
 
 fn light(l: &crate::scene::Light, beam: &crate::compile::LightBeam) -> Light {
-    let mut out = Light {
-        location: v3(l.location),
-        point_at: v3(l.point_at),
-        color: l.color.to_array(),
-        axis: v3(beam.axis),
-        ..Light::default()
-    };
+    let mut out =
+        Light { location: v3(l.location), point_at: v3(l.point_at), color: l.color.to_array(), axis: v3(beam.axis), ..Light::default() };
     let mut flags = 0;
     match l.kind {
         LightKind::Point => out.kind = LIGHT_POINT,
