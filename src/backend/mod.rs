@@ -39,14 +39,17 @@ pub trait Progress: Sync {
     fn pixels(&self, done: u64, total: u64);
 }
 
-/// GPUs that could render, each as "name (driver)".
+/// GPUs that could render, real ones first: "NVIDIA H100 (Vulkan)".
 pub fn device_names() -> Vec<String> {
+    #[cfg(feature = "gpu")]
+    return gpu::list_devices();
+    #[cfg(not(feature = "gpu"))]
     Vec::new()
 }
 
 /// Why [`device_names`] is empty.
 pub fn why_no_device() -> &'static str {
-    if cfg!(feature = "gpu") { "none was found" } else { "this program was built without the GPU back end" }
+    if cfg!(feature = "gpu") { "no graphics driver was found" } else { "this program was built without the GPU back end" }
 }
 
 /// A machine.
