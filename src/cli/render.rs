@@ -269,7 +269,7 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
             path.clone()
         };
         job.target =
-            Some(Target { path: Some(path), format, file_gamma: FileGamma::Srgb, alpha: args.alpha || o.output_alpha, dither: false });
+            Some(Target { path: Some(path), format, file_gamma: FileGamma::Srgb, alpha: args.alpha || o.output_alpha, dither: None });
         job.source
             .io_folders
             .push(job.target.as_ref().and_then(|t| t.path.as_ref()?.parent()).map_or_else(PathBuf::new, Path::to_path_buf));

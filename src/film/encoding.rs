@@ -1,7 +1,7 @@
 //! Working-space values → file values. Source: tests/measured/film.txt, every value of POV-Ray's own files.
 
 use super::Film;
-use super::dither::Dither;
+use super::dither::{Dither, DitherMethod};
 use crate::math::Vec3;
 use crate::math::color::grey;
 use crate::scene::settings::WorkingGamma;
@@ -25,13 +25,13 @@ pub struct Encoding {
     pub file_gamma: FileGamma,
     /// Write an alpha channel where the format has one.
     pub alpha: bool,
-    /// Spread rounding errors, after Floyd and Steinberg.
-    pub dither: bool,
+    /// Spread rounding errors.
+    pub dither: Option<DitherMethod>,
 }
 
 impl Default for Encoding {
     fn default() -> Self {
-        Self { working: WorkingGamma::Linear, file_gamma: FileGamma::Srgb, alpha: false, dither: false }
+        Self { working: WorkingGamma::Linear, file_gamma: FileGamma::Srgb, alpha: false, dither: None }
     }
 }
 
@@ -87,7 +87,22 @@ impl Encoding {
         if self.working == WorkingGamma::None { FileGamma::Srgb } else { self.file_gamma }
     }
 
-    /// The file's values of a pixel, 0..=1, as many as `channels` asks for.
+    /// The working-space value of a file's value in 0..=1: what [`Self::encode`] undoes.
+    fn decode(&self, v: f32) -> f32 {
+        let light = match (self.working, self.file_gamma) {
+            (WorkingGamma::None, _) | (WorkingGamma::Srgb, FileGamma::Srgb) => return v,
+            (WorkingGamma::Power(a), FileGamma::Power(b)) if a == b => return v,
+            (_, FileGamma::Srgb) => linear_from_srgb(v.into()),
+            (_, FileGamma::Power(g)) => f64::from(v).powf(g),
+        };
+        match self.working {
+            WorkingGamma::Power(g) => light.powf(1.0 / g) as f32,
+            WorkingGamma::Srgb => srgb_from_linear(light) as f32,
+            WorkingGamma::Linear | WorkingGamma::None => light as f32,
+        }
+    }
+
+    /// The channels of a pixel, alpha last, in the working space.
     ///
     /// With alpha the colours are divided by it. A pixel brighter than its alpha allows (a highlight on glass) is made more opaque:
     /// alpha is at least the grey of the colour.
@@ -98,21 +113,29 @@ impl Encoding {
             alpha = alpha.max(grey(rgb)).min(1.0);
             rgb = if alpha > 0.0 { rgb / alpha } else { Vec3::ZERO };
         }
-        // NaN becomes 0, as in a cast.
-        let value = |v: f32| self.encode(v).max(0.0).min(1.0);
-        if channels.grey { [value(grey(rgb)), alpha, 0.0, 0.0] } else { [value(rgb.x), value(rgb.y), value(rgb.z), alpha] }
+        if channels.grey { [grey(rgb), alpha, 0.0, 0.0] } else { [rgb.x, rgb.y, rgb.z, alpha] }
     }
 
-    /// The film as whole numbers 0..=`max`, `[height][width][channels]`.
+    /// The film as whole numbers 0..=`max`, `[height][width][channels]`. NaN becomes 0.
     pub(super) fn quantize(&self, film: &Film, channels: Channels, max: u16) -> Vec<u16> {
         let (n, width) = (channels.count(), film.width as usize);
         let mut out = vec![0; film.pixels.len() * n];
         let scale = f32::from(max);
-        if self.dither {
-            let mut dither = Dither::new(width, n);
+        let is_alpha = |c: usize| channels.alpha && c + 1 == n;
+        // The file's value before it is rounded down: `bias` is one half where nothing is dithered.
+        let number = |v: f32, c: usize, bias: f32| {
+            let v = if is_alpha(c) { v } else { self.encode(v) };
+            (v * scale + bias).min(scale) as u16
+        };
+        if let Some(method) = self.dither {
+            let back = |v: u16, c: usize| {
+                let v = f32::from(v) / scale;
+                if is_alpha(c) { v } else { self.decode(v) }
+            };
+            let mut dither = Dither::new(method, width, n);
             for (row, out) in film.pixels.chunks(width).zip(out.chunks_mut(width * n)) {
                 for (x, (pixel, out)) in row.iter().zip(out.chunks_mut(n)).enumerate() {
-                    dither.quantize(x, &self.pixel(*pixel, channels)[..n], scale, out);
+                    dither.quantize(x, &self.pixel(*pixel, channels)[..n], out, &number, &back);
                 }
                 dither.next_row();
             }
@@ -120,8 +143,8 @@ impl Encoding {
         }
         out.par_chunks_mut(width * n).zip(film.pixels.par_chunks(width)).for_each(|(out, row)| {
             for (out, pixel) in out.chunks_mut(n).zip(row) {
-                for (out, v) in out.iter_mut().zip(self.pixel(*pixel, channels)) {
-                    *out = (v * scale + 0.5) as u16;
+                for (c, (out, v)) in out.iter_mut().zip(self.pixel(*pixel, channels)).enumerate() {
+                    *out = number(v, c, 0.5);
                 }
             }
         });

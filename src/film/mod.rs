@@ -12,6 +12,7 @@ mod simple_files;
 pub mod state;
 mod write;
 
+pub use dither::DitherMethod;
 pub use encoding::{Encoding, FileGamma, linear_from_srgb, srgb_from_linear};
 pub use error::FilmError;
 pub use exr_file::{Part, read_exr};

@@ -2,7 +2,7 @@
 
 use super::encoding::Channels;
 use super::{Encoding, FileGamma, Film, FilmError, Metadata};
-use png::{BitDepth, ColorType, Compression, Encoder, ScaledFloat, SrgbRenderingIntent};
+use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
 /// The bytes of a PNG file.
 pub(super) fn encode(film: &Film, bits: u8, grayscale: bool, encoding: &Encoding, metadata: &Metadata) -> Result<Vec<u8>, FilmError> {
@@ -21,16 +21,21 @@ pub(super) fn encode(film: &Film, bits: u8, grayscale: bool, encoding: &Encoding
         (false, true) => ColorType::Rgba,
         (false, false) => ColorType::Rgb,
     });
-    match encoding.written_gamma() {
-        FileGamma::Srgb => encoder.set_source_srgb(SrgbRenderingIntent::Perceptual),
-        FileGamma::Power(g) => encoder.set_source_gamma(ScaledFloat::new((1.0 / g) as f32)),
-    }
+    let gamma = match encoding.written_gamma() {
+        FileGamma::Srgb => {
+            encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+            1.0 / 2.2
+        }
+        FileGamma::Power(g) => 1.0 / g,
+    };
     for (keyword, text) in metadata.texts() {
         let latin1 = text.chars().all(|c| u32::from(c) < 256);
         let added = if latin1 { encoder.add_text_chunk(keyword, text) } else { encoder.add_itxt_chunk(keyword, text) };
         added.map_err(unfit)?;
     }
     let mut writer = encoder.write_header().map_err(unfit)?;
+    // The encoder leaves gAMA out of files that say sRGB; older readers know that one alone.
+    writer.write_chunk(png::chunk::gAMA, &((gamma * 100_000.0).round() as u32).to_be_bytes()).map_err(unfit)?;
     writer.write_chunk(png::chunk::sBIT, &vec![bits; channels.count()]).map_err(unfit)?;
     let values = encoding.quantize(film, channels, ((1u32 << bits) - 1) as u16);
     let data: Vec<u8> = if deep {

@@ -3,7 +3,7 @@
 use super::{BackendChoice, Job, JobError, SceneFormat, Source, Target};
 use crate::accel::AccelKind;
 use crate::compile::CompileOptions;
-use crate::film::{FileFormat, FileGamma};
+use crate::film::{DitherMethod, FileFormat, FileGamma};
 use crate::integrate::antialias::Block;
 use crate::integrate::{Antialias, IntegratorKind, RenderSettings};
 use crate::lang::LangOptions;
@@ -40,7 +40,7 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
             GammaOption::Power(g) => FileGamma::Power(g),
         },
         alpha: o.output_alpha,
-        dither: o.dither,
+        dither: if o.dither { DitherMethod::named(&o.dither_method) } else { None },
     });
     let lang = LangOptions {
         width: o.width,

@@ -2,7 +2,7 @@
 
 use super::{Job, JobError, Outcome};
 use crate::compile::CompiledScene;
-use crate::film::{Encoding, FileFormat, FileGamma, Film, Metadata};
+use crate::film::{DitherMethod, Encoding, FileFormat, FileGamma, Film, Metadata};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub struct Target {
     /// With an alpha channel.
     pub alpha: bool,
     /// Spread rounding errors.
-    pub dither: bool,
+    pub dither: Option<DitherMethod>,
 }
 
 impl Target {
