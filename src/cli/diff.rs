@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Arguments of `rayloom diff`.
+/// Compares two pictures, or two folders of them.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Thresholds are shares of the whole range of a channel: 0.01, or 2/255. Without any, the pictures must be equal.

@@ -5,7 +5,7 @@ use rayloom::film::{Encoding, FileFormat, Part, check_writable, merge, write_pic
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Arguments of `rayloom merge`.
+/// Joins parts of a picture that were rendered apart.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Parts are EXR files that `rayloom render` wrote with --crop or --samples. Each pixel becomes the mean of its samples in all parts.

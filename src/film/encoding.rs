@@ -77,7 +77,7 @@ impl Encoding {
             (WorkingGamma::None, _) | (WorkingGamma::Srgb, FileGamma::Srgb) => v,
             (WorkingGamma::Power(a), FileGamma::Power(b)) if a == b => v,
             (_, FileGamma::Srgb) => srgb_from_linear(f64::from(self.linear(v))) as f32,
-            (_, FileGamma::Power(g)) if g == 1.0 => self.linear(v),
+            (_, FileGamma::Power(1.0)) => self.linear(v),
             (_, FileGamma::Power(g)) => f64::from(self.linear(v)).max(0.0).powf(1.0 / g) as f32,
         }
     }

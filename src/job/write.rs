@@ -65,7 +65,6 @@ impl Target {
             file_gamma: self.file_gamma,
             alpha: self.alpha,
             dither: self.dither,
-            ..Encoding::default()
         }
     }
 }
@@ -98,6 +97,5 @@ fn metadata(job: &Job, scene: &CompiledScene, film: &Film, outcome: Option<&Outc
         software: concat!("rayloom ", env!("CARGO_PKG_VERSION")).into(),
         scene: job.source.path.display().to_string(),
         entries: entries.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
-        ..Metadata::default()
     }
 }
