@@ -60,12 +60,7 @@ impl Target {
     }
 
     fn encoding(&self, scene: &CompiledScene) -> Encoding {
-        Encoding {
-            working: scene.settings.gamma,
-            file_gamma: self.file_gamma,
-            alpha: self.alpha,
-            dither: self.dither,
-        }
+        Encoding { working: scene.settings.gamma, file_gamma: self.file_gamma, alpha: self.alpha, dither: self.dither }
     }
 }
 
