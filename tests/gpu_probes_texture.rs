@@ -140,23 +140,30 @@ fn run(gpu: &Gpu, probe: &str, words: &TextureWords, inputs: &[[f32; 4]], per_in
     run_probe(gpu, probe, &words.shader, &words.words, &words.image_words, inputs, n).expect("the probe runs")
 }
 
-/// Points around one, close enough that a 32-bit number may have meant them: beside the point and along the axes.
+/// Points around one, a few roundings of 32-bit numbers away.
 fn around(p: DVec3) -> impl Iterator<Item = DVec3> {
-    let step = 2e-6 * (1.0 + p.abs().max_element());
+    let step = 5e-7 * (1.0 + p.abs().max_element());
     (0..27).map(move |k| p + step * DVec3::new(f64::from(k % 3 - 1), f64::from(k / 3 % 3 - 1), f64::from(k / 9 - 1)))
 }
 
-/// How far a GPU's answer is from the kernel's at the point or, where it jumps there, beside it.
+/// How far a GPU's answer is from the kernel's at the point, or from all that the kernel gives a few roundings around it.
 fn distance<const N: usize>(gpu: [f64; N], at: &PatternPoint, kernel: impl Fn(&PatternPoint) -> [f64; N]) -> f64 {
-    let off = |p: &PatternPoint| {
-        let ours = kernel(p);
-        (0..N).map(|k| if gpu[k].is_nan() && ours[k].is_nan() { 0.0 } else { (gpu[k] - ours[k]).abs() }).fold(0.0, f64::max)
+    let ours = kernel(at);
+    let off = |k: usize, low: f64, high: f64| {
+        if gpu[k].is_nan() && ours[k].is_nan() { 0.0 } else { (low - gpu[k]).max(gpu[k] - high).max(0.0) }
     };
-    let first = off(at);
+    let first = (0..N).map(|k| off(k, ours[k], ours[k])).fold(0.0, f64::max);
     if first < 1e-4 {
         return first;
     }
-    around(at.point).map(|point| off(&PatternPoint { point, ..*at })).fold(first, f64::min)
+    let (mut low, mut high) = (ours, ours);
+    for point in around(at.point) {
+        let beside = kernel(&PatternPoint { point, ..*at });
+        for k in 0..N {
+            (low[k], high[k]) = (low[k].min(beside[k]), high[k].max(beside[k]));
+        }
+    }
+    (0..N).map(|k| off(k, low[k], high[k])).fold(0.0, f64::max)
 }
 
 /// Shares of points off by more than 1e-4, by source.
@@ -218,7 +225,15 @@ fn compare_pigments(gpu: &Gpu, sources: &[String], spoil: impl Fn(&mut TextureWo
 
 /// Share of points that may be off: what is chaotic at 32 bits.
 fn allowed(source: &str) -> f64 {
-    if source.contains("mandel") || source.contains("julia") || source.contains("magnet") { 0.02 } else { 0.002 }
+    let any = |words: &[&str]| words.iter().any(|w| source.contains(w));
+    if any(&["mandel", "julia", "magnet"]) {
+        0.02
+    } else if any(&["checker", "brick", "cells"]) {
+        // Points just below a lattice plane belong to the cell above it.
+        0.006
+    } else {
+        0.002
+    }
 }
 
 #[test]
