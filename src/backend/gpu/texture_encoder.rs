@@ -113,6 +113,11 @@ impl<'t> TextureEncoder<'t> {
         Ok(Placed { at, stack: length })
     }
 
+    /// Makes room for a pattern that is a pigment: its own work below that of the pigment.
+    pub fn room_for_pattern(&mut self, pigment: Placed) {
+        self.stacks[PIGMENT_STACK].1 = self.stacks[PIGMENT_STACK].1.max(pigment.stack + 1);
+    }
+
     /// The record of a cover.
     pub fn cover(&mut self, ix: TextureIx) -> Result<u32, BackendError> {
         Ok(self.texture(ix, 0)?.at)
@@ -244,9 +249,6 @@ impl<'t> TextureEncoder<'t> {
         };
         // A pattern that is a pigment is evaluated above its own work.
         let mut stack = 1 + pattern.stack;
-        if pattern.stack > 0 && matches!(node.code, PigmentCode::Colors(_) | PigmentCode::Map(_)) {
-            self.feature("nested_pigments");
-        }
         let common = [("PATTERN_AT", pattern.at), ("UV", u32::from(node.uv_mapping))];
         let at = match node.code {
             PigmentCode::Solid(c) => self.solid(&c),

@@ -98,7 +98,10 @@ impl TextureEncoder<'_> {
             PatternCode::Gradient(direction) => three(direction).to_vec(),
             PatternCode::Image(ix) => vec![self.image(ix)],
             PatternCode::Pigment(ix) => {
+                // Wherever its value is asked for, the loop that gathers colours answers.
+                self.feature("nested_pigments");
                 let placed = self.placed_pigment(ix)?;
+                self.room_for_pattern(placed);
                 return Ok((vec![placed.at], placed.stack));
             }
             PatternCode::Quilted { control0, control1 } => vec![bits(control0), bits(control1)],
