@@ -17,6 +17,7 @@ mod texture_functions;
 mod texture_images;
 mod texture_layout;
 mod texture_noise;
+mod texture_normals;
 mod texture_patterns;
 mod wavefront;
 

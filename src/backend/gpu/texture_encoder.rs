@@ -1,13 +1,12 @@
-//! Textures, pigments and normals into words, parts first, each once. Patterns are `texture_patterns.rs`'s, pictures `texture_images.rs`'s.
+//! Textures and pigments into words, parts first, each once. Normals are `texture_normals.rs`'s, patterns `texture_patterns.rs`'s,
+//! pictures `texture_images.rs`'s.
 
 use super::texture_functions::FunctionText;
 use super::texture_images::ImageWords;
-use super::texture_layout::{NORMAL, NORMAL_KINDS, PIGMENT, PIGMENT_KINDS, Record, TEXTURE, TEXTURE_KINDS, kind};
+use super::texture_layout::{PIGMENT, PIGMENT_KINDS, Record, TEXTURE, TEXTURE_KINDS, kind};
 use crate::backend::BackendError;
 use crate::compile::NONE;
-use crate::compile::texture::{
-    NormalCode, NormalIx, PatternCode, PatternIx, PigmentCode, PigmentIx, Range, TextureIx, TextureNode, TextureTables,
-};
+use crate::compile::texture::{NormalIx, PatternIx, PigmentCode, PigmentIx, Range, TextureIx, TextureNode, TextureTables};
 use crate::math::{DMat3, Rgbft};
 use std::collections::{BTreeSet, HashMap};
 
@@ -41,7 +40,7 @@ pub(super) struct TextureEncoder<'t> {
     pub wave_sources_at: u32,
     quick_colors: bool,
     known_pigments: HashMap<PigmentIx, Placed>,
-    known_normals: HashMap<NormalIx, Placed>,
+    pub known_normals: HashMap<NormalIx, Placed>,
     known_textures: HashMap<(TextureIx, usize), Placed>,
     known_colors: HashMap<u32, u32>,
     spaces: Vec<Space>,
@@ -50,7 +49,7 @@ pub(super) struct TextureEncoder<'t> {
 }
 
 const PIGMENT_STACK: usize = 0;
-const NORMAL_STACK: usize = 1;
+pub(super) const NORMAL_STACK: usize = 1;
 const TEXTURE_STACK: usize = 2;
 
 /// A number as the shaders read it.
@@ -101,11 +100,11 @@ impl<'t> TextureEncoder<'t> {
         self.put(inward.to_cols_array().into_iter().chain(outward.to_cols_array()).map(bits))
     }
 
-    fn record(&mut self, record: &Record, values: &[(&str, u32)]) -> u32 {
+    pub fn record(&mut self, record: &Record, values: &[(&str, u32)]) -> u32 {
         self.put(record.words(values))
     }
 
-    fn placed(&mut self, stack: usize, at: u32, length: u32) -> Result<Placed, BackendError> {
+    pub fn placed(&mut self, stack: usize, at: u32, length: u32) -> Result<Placed, BackendError> {
         if length > MAX_DEPTH {
             return Err(BackendError::Unsupported(format!("textures nested more than {MAX_DEPTH} deep")));
         }
@@ -126,11 +125,6 @@ impl<'t> TextureEncoder<'t> {
     /// The record of a pigment.
     pub fn pigment(&mut self, ix: PigmentIx) -> Result<u32, BackendError> {
         Ok(self.placed_pigment(ix)?.at)
-    }
-
-    /// The record of a normal.
-    pub fn normal(&mut self, ix: NormalIx) -> Result<u32, BackendError> {
-        Ok(self.placed_normal(ix)?.at)
     }
 
     fn texture(&mut self, ix: TextureIx, space: usize) -> Result<Placed, BackendError> {
@@ -292,66 +286,5 @@ impl<'t> TextureEncoder<'t> {
         let at = self.put(words.collect::<Vec<_>>());
         self.known_colors.insert(range.start, at);
         at
-    }
-
-    fn placed_normal(&mut self, ix: NormalIx) -> Result<Placed, BackendError> {
-        if let Some(known) = self.known_normals.get(&ix) {
-            return Ok(*known);
-        }
-        let node = self.tables.normals[ix as usize];
-        let code = self.tables.patterns[node.pattern as usize].code;
-        let pattern = self.pattern(node.pattern)?;
-        let mut stack = 0;
-        let (name, entries) = match node.code {
-            NormalCode::Pattern(range) => {
-                if range.len > 0 {
-                    self.feature("slope_maps");
-                }
-                let slopes = range.of(&self.tables.slope_entries);
-                let words: Vec<u32> = slopes.iter().flat_map(|(at, [h, s])| [*at, *h, *s]).map(f32::to_bits).collect();
-                (self.bump_kind(&code), [("ENTRIES_AT", self.put(words)), ("N_ENTRIES", range.len), ("WEIGHT", 0)])
-            }
-            NormalCode::Bump(image) => {
-                self.feature("normal_bump");
-                ("bump", [("ENTRIES_AT", self.image(image)), ("N_ENTRIES", 0), ("WEIGHT", 0)])
-            }
-            NormalCode::Map(range) | NormalCode::Average(range) => {
-                self.feature("nested_normals");
-                let entries = range.of(&self.tables.normal_entries);
-                let mut words = Vec::new();
-                for (at, normal) in entries {
-                    let placed = self.placed_normal(*normal)?;
-                    stack = stack.max(1 + placed.stack);
-                    words.extend([at.to_bits(), placed.at]);
-                }
-                let weight: f32 = entries.iter().map(|e| e.0).sum();
-                let name = if matches!(node.code, NormalCode::Map(_)) { "map" } else { "average" };
-                (name, [("ENTRIES_AT", self.put(words)), ("N_ENTRIES", range.len), ("WEIGHT", weight.to_bits())])
-            }
-        };
-        let own = [
-            ("KIND", kind(NORMAL_KINDS, name)),
-            ("PATTERN_AT", pattern.at),
-            ("UV", u32::from(node.uv_mapping)),
-            ("AMOUNT", bits(node.amount)),
-            ("ACCURACY", bits(node.accuracy)),
-            ("NO_BUMP_SCALE", u32::from(node.no_bump_scale)),
-        ];
-        let at = self.record(&NORMAL, &[&own[..], &entries[..]].concat());
-        let placed = self.placed(NORMAL_STACK, at, stack)?;
-        self.known_normals.insert(ix, placed);
-        Ok(placed)
-    }
-
-    /// Whether a pattern bends normals by its own formula, or by samples of its value.
-    fn bump_kind(&mut self, code: &PatternCode) -> &'static str {
-        match code {
-            PatternCode::Bumps | PatternCode::Dents | PatternCode::Wrinkles | PatternCode::Facets { .. } => {
-                self.feature("vector_noise_normals");
-                "own"
-            }
-            PatternCode::Quilted { .. } | PatternCode::Ripples | PatternCode::Waves => "own",
-            _ => "slope",
-        }
     }
 }
