@@ -9,7 +9,7 @@ use rayloom::scene::settings::WorkingGamma;
 use std::path::{Path, PathBuf};
 
 const WIDTH: u32 = 8;
-const HEIGHT: u32 = 4;
+const HEIGHT: u32 = 5;
 
 /// A film of opaque surfaces over a black background that lets through.
 fn film_of(colours: &[[f32; 4]], width: u32, height: u32) -> Film {

@@ -109,7 +109,7 @@ impl Picture {
         if let Some(g) = gamma {
             pixels.par_iter_mut().for_each(|p| {
                 for v in &mut p[..3] {
-                    *v = srgb_from_linear(f64::from(*v).powf(1.0 / g)) as f32;
+                    *v = srgb_from_linear(v.powf(1.0 / g));
                 }
             });
         }
@@ -127,7 +127,7 @@ impl Picture {
             self.pixels.par_iter_mut().for_each(|p| {
                 for v in &mut p[..3] {
                     if v.is_finite() {
-                        *v = srgb_from_linear(f64::from(v.clamp(0.0, 1.0))) as f32;
+                        *v = srgb_from_linear(v.clamp(0.0, 1.0));
                     }
                 }
             });
@@ -139,19 +139,19 @@ impl Picture {
 /// A pixel of straight alpha with its colour multiplied by alpha, in light.
 fn over_black([r, g, b, a]: [f32; 4], linear: bool) -> [f32; 4] {
     let times_alpha = |v: f32| {
-        if linear { v * a } else { srgb_from_linear(linear_from_srgb(f64::from(v)) * f64::from(a)) as f32 }
+        if linear { v * a } else { srgb_from_linear(linear_from_srgb(v) * a) }
     };
     [times_alpha(r), times_alpha(g), times_alpha(b), a]
 }
 
 /// The exponent of light in a PNG whose values are not sRGB: its gAMA, unless the file says sRGB or means it.
-fn png_gamma(path: &Path) -> Option<f64> {
+fn png_gamma(path: &Path) -> Option<f32> {
     let file = std::io::BufReader::new(std::fs::File::open(path).ok()?);
     let reader = png::Decoder::new(file).read_info().ok()?;
     let info = reader.info();
     if info.srgb.is_some() {
         return None;
     }
-    let gamma = f64::from(info.gama_chunk?.into_value());
+    let gamma = info.gama_chunk?.into_value();
     (gamma > 0.0 && (gamma - 1.0 / 2.2).abs() > 1e-3).then_some(gamma)
 }

@@ -51,14 +51,19 @@ impl Channels {
     }
 }
 
-/// Light → sRGB value, the exact piecewise curve of IEC 61966-2-1.
-pub fn srgb_from_linear(v: f64) -> f64 {
-    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+/// `v` to a power, rounded to 32 bits once, as POV-Ray's values are; the exponent has 32 bits too.
+fn power(v: f32, exponent: f32) -> f32 {
+    f64::from(v.max(0.0)).powf(exponent.into()) as f32
+}
+
+/// Light → sRGB value, the exact piecewise curve of IEC 61966-2-1, with POV-Ray's rounding (measured on 9,216 values of 16 bits).
+pub fn srgb_from_linear(v: f32) -> f32 {
+    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * power(v, 1.0 / 2.4) - 0.055 }
 }
 
 /// sRGB value → light.
-pub fn linear_from_srgb(v: f64) -> f64 {
-    if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+pub fn linear_from_srgb(v: f32) -> f32 {
+    if v <= 0.040_45 { v / 12.92 } else { power((v + 0.055) / 1.055, 2.4) }
 }
 
 impl Encoding {
@@ -66,19 +71,30 @@ impl Encoding {
     pub fn linear(&self, v: f32) -> f32 {
         match self.working {
             WorkingGamma::Linear => v,
-            WorkingGamma::Power(g) => f64::from(v).max(0.0).powf(g) as f32,
-            WorkingGamma::Srgb | WorkingGamma::None => linear_from_srgb(f64::from(v)) as f32,
+            WorkingGamma::Power(g) => power(v, g as f32),
+            WorkingGamma::Srgb | WorkingGamma::None => linear_from_srgb(v),
+        }
+    }
+
+    /// Whether the file's values are those of the working space.
+    fn is_identity(&self) -> bool {
+        match (self.working, self.file_gamma) {
+            (WorkingGamma::None, _) | (WorkingGamma::Srgb, FileGamma::Srgb) => true,
+            (WorkingGamma::Linear, FileGamma::Power(b)) => b == 1.0,
+            (WorkingGamma::Power(a), FileGamma::Power(b)) => a == b,
+            _ => false,
         }
     }
 
     /// The file's value for a working-space value, not clipped.
     pub fn encode(&self, v: f32) -> f32 {
-        match (self.working, self.file_gamma) {
-            (WorkingGamma::None, _) | (WorkingGamma::Srgb, FileGamma::Srgb) => v,
-            (WorkingGamma::Power(a), FileGamma::Power(b)) if a == b => v,
-            (_, FileGamma::Srgb) => srgb_from_linear(f64::from(self.linear(v))) as f32,
-            (_, FileGamma::Power(1.0)) => self.linear(v),
-            (_, FileGamma::Power(g)) => f64::from(self.linear(v)).max(0.0).powf(1.0 / g) as f32,
+        if self.is_identity() {
+            return v;
+        }
+        match self.file_gamma {
+            FileGamma::Srgb => srgb_from_linear(self.linear(v)),
+            FileGamma::Power(1.0) => self.linear(v),
+            FileGamma::Power(g) => power(self.linear(v), 1.0 / g as f32),
         }
     }
 
@@ -89,16 +105,17 @@ impl Encoding {
 
     /// The working-space value of a file's value in 0..=1: what [`Self::encode`] undoes.
     fn decode(&self, v: f32) -> f32 {
-        let light = match (self.working, self.file_gamma) {
-            (WorkingGamma::None, _) | (WorkingGamma::Srgb, FileGamma::Srgb) => return v,
-            (WorkingGamma::Power(a), FileGamma::Power(b)) if a == b => return v,
-            (_, FileGamma::Srgb) => linear_from_srgb(v.into()),
-            (_, FileGamma::Power(g)) => f64::from(v).powf(g),
+        if self.is_identity() {
+            return v;
+        }
+        let light = match self.file_gamma {
+            FileGamma::Srgb => linear_from_srgb(v),
+            FileGamma::Power(g) => power(v, g as f32),
         };
         match self.working {
-            WorkingGamma::Power(g) => light.powf(1.0 / g) as f32,
-            WorkingGamma::Srgb => srgb_from_linear(light) as f32,
-            WorkingGamma::Linear | WorkingGamma::None => light as f32,
+            WorkingGamma::Power(g) => power(light, 1.0 / g as f32),
+            WorkingGamma::Srgb => srgb_from_linear(light),
+            WorkingGamma::Linear | WorkingGamma::None => light,
         }
     }
 

@@ -86,6 +86,9 @@ pub fn read_exr(path: &Path, max_pixels: u64) -> Result<Part, FilmError> {
     let display = header.headers.first().ok_or_else(|| foreign("the file has no picture".into()))?.shared_attributes.display_window;
     let (width, height) = (display.size.0, display.size.1);
     let data: u64 = header.headers.iter().map(|h| h.layer_size.area() as u64).sum();
+    if width == 0 || height == 0 {
+        return Err(foreign("the picture has no pixels".into()));
+    }
     if (width as u64 * height as u64).max(data) > max_pixels {
         return Err(foreign(format!("{width} by {height} pixels are more than the limit of {max_pixels}")));
     }

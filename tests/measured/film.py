@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes film.txt: the values that POV-Ray 3.7.0.10 puts into its files for 32 colours, in every format, gamma and version.
+"""Writes film.txt: the values that POV-Ray 3.7.0.10 puts into its files for 40 colours, in every format, gamma and version.
 
 Needs `povray` and the packages numpy, pypng, OpenEXR. `colour:` lines give the pigments (rgbt); every other line is
 `#version assumed_gamma File_Gamma options: values`, all values of the file, row by row.
@@ -7,12 +7,18 @@ Needs `povray` and the packages numpy, pypng, OpenEXR. `colour:` lines give the 
 import itertools, pathlib, subprocess, tempfile
 import numpy, OpenEXR, png
 
-WIDTH, HEIGHT = 8, 4
+WIDTH, HEIGHT = 8, 5
+# Values that 64-bit arithmetic rounds to other numbers of 16 bits than POV-Ray's 32-bit arithmetic.
+TIES = [
+    0.768582752787, 0.871190920087, 0.984605198388, 0.68639263259, 0.744687891821, 0.514246234181, 0.91720252514, 0.648314603122,
+    0.379853953659, 0.65104080665, 0.66089371578, 0.562736092094, 0.724938395361, 0.955178945061, 0.479761081321, 0.322936738926,
+    0.625482098687, 0.844595096404, 0.473205160586, 0.186930641692, 0.508773923494, 0.340634758206, 0.115930418413, 0.825673268567]
 COLOURS = (
     [(v, v, v, 0) for v in (0, 0.0005, 0.003, 0.01, 0.1, 0.2, 0.508, 1)]
     + [(0.8, 0.5, 0.2, t) for t in (0, 0.25, 0.5, 0.75, 1)] + [(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0)]
     + [(3, 0.5, 0.25, t) for t in (0, 0.5, 0.75)] + [(-0.25, 0.5, 2, t) for t in (0, 0.5)] + [(6, 1, 4, 0.5), (0.02, 0.02, 0.02, 0.75), (0.9, 0.1, 0.1, 0.75)]
     + [(0.3 + 0.013 * i, 0.3 + 0.003 * i, 0.7 - 0.011 * i, 0.125 * i) for i in range(8)]
+    + [(*TIES[i:i + 3], 0) for i in range(0, 24, 3)]
 )
 
 def scene(version, gamma):
@@ -65,7 +71,7 @@ def values(path):
 def main():
     print("# Written by film.py with POV-Ray 3.7.0.10.")
     for c in COLOURS:
-        print("colour:", *(f"{v:.9g}" for v in c))
+        print("colour:", *(f"{v:.12g}" for v in c))
     cases = [(s, g, f"+FN16 File_Gamma={f}") for (s, g), f in itertools.product(
         (("3.7", "1.0"), ("3.7", "2.2"), ("3.7", "srgb"), ("3.7", "none"), ("3.6", "1.0"), ("3.6", "none"), ("none", "none")), ("srgb", "1.0", "2.2"))]
     cases += [("3.7", g, o) for g in ("1.0", "2.2") for o in (
