@@ -4,7 +4,7 @@ global_settings { assumed_gamma 1.0 }
 #declare Screen = mesh2 {
   vertex_vectors { 4, <-2, -1.2, -3>, <2, -1.2, -3>, <2, 1.8, -3>, <-2, 1.8, -3> }
   uv_vectors { 4, <0, 0>, <1, 0>, <1, 1>, <0, 1> }
-  face_indices { 2, <0, 1, 2>, <0, 2, 3> }
+  face_indices { 2, <0, 2, 1>, <0, 3, 2> }
 }
 camera { mesh_camera { 1 3 mesh { Screen } } location <0, 0, 0.01> direction <0, 0, 1> }
 light_source { <4, 6, -5> rgb 0.9 }
