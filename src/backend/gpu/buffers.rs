@@ -73,12 +73,12 @@ pub(super) fn outward(b: &Bounds) -> ([f32; 3], [f32; 3]) {
 
 impl SceneBuffers {
     /// Encodes `scene` for a picture that `plan` was made for.
-    pub fn new(scene: &CompiledScene, plan: &ScenePlan, size: [u32; 2]) -> Result<Self, BackendError> {
+    pub fn new(scene: &CompiledScene, plan: &ScenePlan) -> Result<Self, BackendError> {
         let g = &scene.geometry;
         let textures = encode_textures(&scene.textures, &TextureRoots::of_scene(scene), !plan.quality.normals)?;
         let mut words = vec![0];
         let meshes = encode_meshes(scene, &textures, &mut words)?;
-        let mut params = scene_params(scene, size);
+        let mut params = scene_params(scene);
         let transparency = g.prims.iter().any(|p| p.flags & prim_flags::TRANSPARENT != 0);
         if let Some(list) = &plan.camera_interiors {
             let list: Vec<u32> = list.iter().collect();
@@ -157,7 +157,6 @@ impl SceneBuffers {
             ("face_covers", face_covers),
             ("cutaway", cutaway > 0),
             ("bounded_by", g.prims.iter().any(|p| p.flags & prim_flags::BOUNDED != 0)),
-            ("orthographic", matches!(scene.camera.projection, crate::scene::Projection::Orthographic)),
         ];
         features.iter().for_each(|(name, holds)| o.feature_if(name, *holds));
         let covers = cutaway.max(if face_covers { 3 } else { 1 });
@@ -294,13 +293,9 @@ pub(super) fn depth_of(nodes: &[[u32; 2]]) -> u32 {
     deepest
 }
 
-fn scene_params(scene: &CompiledScene, size: [u32; 2]) -> SceneParams {
-    let (c, s, b) = (&scene.camera, &scene.settings, &scene.background);
+fn scene_params(scene: &CompiledScene) -> SceneParams {
+    let (s, b) = (&scene.settings, &scene.background);
     SceneParams {
-        camera_location: v3(c.location),
-        camera_direction: v3(c.direction),
-        camera_right: v3(c.right),
-        camera_up: v3(c.up),
         adc_bailout: s.adc_bailout as f32,
         max_level: s.max_trace_level.clamp(1, 256),
         n_lights: scene.lights.len() as u32,
@@ -308,7 +303,6 @@ fn scene_params(scene: &CompiledScene, size: [u32; 2]) -> SceneParams {
         background_filter: b.filter,
         background_transmit: b.transmit,
         ambient_light: s.ambient_light.to_array(),
-        resolution: size.map(|v| v as f32),
         generator: u32::from(s.noise_generator),
         ..SceneParams::default()
     }

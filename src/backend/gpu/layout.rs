@@ -28,13 +28,9 @@ pub const MAX_INTERIORS: usize = 8;
 shared! {
     /// What a whole render shares.
     struct SceneParams {
-        camera_location: [f32; 3],
         adc_bailout: f32,
-        camera_direction: [f32; 3],
         max_level: u32,
-        camera_right: [f32; 3],
         n_lights: u32,
-        camera_up: [f32; 3],
         n_unbounded: u32,
         background: [f32; 3],
         background_filter: f32,
@@ -46,18 +42,25 @@ shared! {
         n_bounded: u32,
         tree_high: [f32; 3],
         tree_extent: f32,
-        resolution: [f32; 2],
         sky_transform_ix: u32,
         fogs_at: u32,
         clip_steps_at: u32,
         clip_boxes_at: u32,
         objects_at: u32,
         emitters_at: u32,
-        camera_interiors: [u32; MAX_INTERIORS],
         n_camera_interiors: u32,
         unbounded_at: u32,
+        camera_interiors: [u32; MAX_INTERIORS],
         generator: u32,
         n_emitters: u32,
+        padding: [u32; 2],
+    }
+    /// Where a camera ray starts.
+    struct Start {
+        origin: [f32; 3],
+        shown: u32,
+        dir: [f32; 3],
+        padding: u32,
     }
     /// What one step works on.
     struct Batch {

@@ -4,6 +4,7 @@
 //! the shaders know gives [`BackendError::Unsupported`](super::BackendError), and the caller renders on the CPU.
 
 mod buffers;
+mod camera;
 pub mod device;
 pub mod layout;
 mod mesh_buffers;
@@ -64,9 +65,10 @@ impl Backend for GpuBackend {
     ) -> Result<(), BackendError> {
         support::check(scene, settings)?;
         let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
-        let buffers = SceneBuffers::new(scene, &plan, [settings.width, settings.height])?;
+        let buffers = SceneBuffers::new(scene, &plan)?;
         let wavefront = Wavefront::new(&self.gpu, &buffers)?;
-        let mut picture = Picture { wavefront, settings, film, progress, cancel, done: 0 };
+        let camera = camera::CameraRays::new(scene, &plan);
+        let mut picture = Picture { wavefront, camera, settings, film, progress, cancel, done: 0 };
         match &settings.antialias {
             Some(aa) => picture.render_blocks(aa),
             None => picture.render_pixels(),
@@ -77,6 +79,7 @@ impl Backend for GpuBackend {
 /// A picture on its way from the wavefront into the film.
 struct Picture<'p> {
     wavefront: Wavefront<'p>,
+    camera: camera::CameraRays<'p>,
     settings: &'p RenderSettings,
     film: &'p mut Film,
     progress: &'p dyn Progress,
@@ -93,8 +96,8 @@ impl Picture<'_> {
         if n_samples == 1 {
             let join = self.settings.samples.start > 0;
             for part in pixels.chunks(self.wavefront.max_samples as usize) {
-                let at: Vec<[f32; 2]> = part.iter().map(|(x, y)| [*x as f32, *y as f32]).collect();
-                let Some(found) = self.wavefront.trace(&at, self.cancel)? else { return Ok(()) };
+                let at: Vec<(f64, f64)> = part.iter().map(|(x, y)| (f64::from(*x), f64::from(*y))).collect();
+                let Some(found) = self.trace(&at)? else { return Ok(()) };
                 part.iter().zip(found).for_each(|((x, y), s)| self.keep(*x, *y, s, 1, join));
                 self.tell(part.len());
             }
@@ -107,8 +110,8 @@ impl Picture<'_> {
             let mut first = self.settings.samples.start;
             while first < self.settings.samples.end {
                 let end = (first + at_once).min(self.settings.samples.end);
-                let at: Vec<[f32; 2]> = part.par_iter().flat_map_iter(|p| sample_places(*p, first..end, self.settings.seed)).collect();
-                let Some(found) = self.wavefront.trace(&at, self.cancel)? else { return Ok(()) };
+                let at: Vec<(f64, f64)> = part.par_iter().flat_map_iter(|p| sample_places(*p, first..end, self.settings.seed)).collect();
+                let Some(found) = self.trace(&at)? else { return Ok(()) };
                 for ((x, y), list) in part.iter().zip(found.chunks((end - first) as usize)) {
                     let mut mean = [0.0f32; 4];
                     list.iter().for_each(|s| (0..4).for_each(|k| mean[k] += s[k]));
@@ -130,13 +133,13 @@ impl Picture<'_> {
             loop {
                 // What each block still wants to see.
                 let wanted: Vec<Vec<(f64, f64)>> = memos.par_iter_mut().map(|m| m.advance(aa)).collect();
-                let at: Vec<[f32; 2]> = wanted.iter().flatten().map(|(x, y)| [*x as f32, *y as f32]).collect();
+                let at: Vec<(f64, f64)> = wanted.iter().flatten().copied().collect();
                 if at.is_empty() {
                     break;
                 }
                 let mut found: Vec<Sample> = Vec::with_capacity(at.len());
                 for list in at.chunks(self.wavefront.max_samples as usize) {
-                    let Some(samples) = self.wavefront.trace(list, self.cancel)? else { return Ok(()) };
+                    let Some(samples) = self.trace(list)? else { return Ok(()) };
                     found.extend(samples);
                 }
                 let mut rest = found.as_slice();
@@ -151,6 +154,15 @@ impl Picture<'_> {
             }
         }
         Ok(())
+    }
+
+    /// What is seen at each position; `None` when cancelled.
+    fn trace(&mut self, at: &[(f64, f64)]) -> Result<Option<Vec<Sample>>, BackendError> {
+        let starts = self.camera.starts(at);
+        let Some(mut found) = self.wavefront.trace(&starts, self.cancel)? else { return Ok(None) };
+        let nothing = [0.0, 0.0, 0.0, if self.settings.output_alpha { 1.0 } else { 0.0 }];
+        starts.iter().zip(&mut found).filter(|(s, _)| s.shown == 0).for_each(|(_, f)| *f = nothing);
+        Ok(Some(found))
     }
 
     fn keep_block(&mut self, [x0, y0, x1, y1]: Block, pixels: &[Sample]) {
@@ -174,9 +186,9 @@ impl Picture<'_> {
 }
 
 /// Picture positions of a range of a pixel's samples.
-fn sample_places((x, y): (u32, u32), range: std::ops::Range<u32>, seed: u32) -> impl Iterator<Item = [f32; 2]> {
+fn sample_places((x, y): (u32, u32), range: std::ops::Range<u32>, seed: u32) -> impl Iterator<Item = (f64, f64)> {
     range.map(move |k| {
         let (dx, dy) = sample_position(x, y, k, seed);
-        [(f64::from(x) + dx) as f32, (f64::from(y) + dy) as f32]
+        (f64::from(x) + dx, f64::from(y) + dy)
     })
 }

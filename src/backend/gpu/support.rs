@@ -51,9 +51,8 @@ fn first_obstacle(scene: &CompiledScene, settings: &RenderSettings) -> Option<St
         (scene.lights.iter().any(|l| l.light.radius > 0.0), "lights with a radius"),
         (scene.lights.iter().any(|l| l.projected_through != NONE), "lights that are projected through objects"),
         (scene.textures.finishes.iter().any(|f| f.reflection.exponent != 1.0), "reflection_exponent"),
-        (scene.camera_normal != NONE, "normals of cameras"),
         (scene.camera.blur.as_ref().is_some_and(|b| b.aperture != 0.0 && b.max_samples > 0), "focal blur"),
-        (!matches!(scene.camera.projection, Projection::Perspective | Projection::Orthographic), "curved and mesh cameras"),
+        (matches!(scene.camera.projection, Projection::Mesh { .. }), "mesh cameras"),
         (nested_bounds(scene), "bounded_by inside bounded_by"),
         (scene.geometry.shapes.meshes.iter().any(|m| !m.mesh.colors.is_empty()), "vertex colours"),
     ];

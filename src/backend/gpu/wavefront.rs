@@ -6,7 +6,7 @@
 
 use super::buffers::{FAULT_INTERIORS, SceneBuffers};
 use super::device::{Gpu, binding_layout, uniform_layout};
-use super::layout::{Batch, Counters, Hit, Ray, ShadowRay};
+use super::layout::{Batch, Counters, Hit, Ray, ShadowRay, Start};
 use super::shader::assemble;
 use crate::backend::BackendError;
 use bytemuck::{Pod, bytes_of, cast_slice};
@@ -43,7 +43,7 @@ pub(super) struct Wavefront<'g> {
     children: wgpu::Buffer,
     counters: wgpu::Buffer,
     radiance: wgpu::Buffer,
-    positions: wgpu::Buffer,
+    starts: wgpu::Buffer,
     /// Samples that can be traced at once.
     pub max_samples: u32,
     max_children: u32,
@@ -88,7 +88,7 @@ impl<'g> Wavefront<'g> {
         let (a, b) = (a?, b?);
         let counters = gpu.empty_buffer("counters", bytes::<Counters>(1))?;
         let radiance = gpu.empty_buffer("radiance", bytes::<[f32; 4]>(max_samples))?;
-        let positions = gpu.empty_buffer("positions", bytes::<[f32; 2]>(max_samples))?;
+        let starts = gpu.empty_buffer("camera rays", bytes::<Start>(max_samples))?;
 
         let mut entries = vec![uniform_layout(0), uniform_layout(1)];
         entries.extend((2..12).map(|k| binding_layout(k, false)));
@@ -99,7 +99,7 @@ impl<'g> Wavefront<'g> {
         let group = |a: &wgpu::Buffer, b: &wgpu::Buffer| {
             let mut list: Vec<&wgpu::Buffer> = vec![&params, &batch];
             list.extend(&fixed);
-            list.extend([&rays, &hits, &children, a, b, &counters, &radiance, &positions]);
+            list.extend([&rays, &hits, &children, a, b, &counters, &radiance, &starts]);
             let numbered: Vec<(u32, &wgpu::Buffer)> = (0..).zip(list).collect();
             gpu.bind_group(&scene_layout, &numbered)
         };
@@ -132,7 +132,7 @@ impl<'g> Wavefront<'g> {
             children,
             counters,
             radiance,
-            positions,
+            starts,
             max_samples,
             max_children,
             queue_len,
@@ -140,14 +140,14 @@ impl<'g> Wavefront<'g> {
         })
     }
 
-    /// Red, green, blue, transmit seen at up to `max_samples` picture positions; `None` when cancelled.
-    pub fn trace(&mut self, positions: &[[f32; 2]], cancel: &AtomicBool) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
-        let n = positions.len() as u32;
+    /// Red, green, blue, transmit seen by up to `max_samples` camera rays; `None` when cancelled.
+    pub fn trace(&mut self, starts: &[Start], cancel: &AtomicBool) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
+        let n = starts.len() as u32;
         assert!(n <= self.max_samples, "the caller cuts its samples into batches");
         if n == 0 {
             return Ok(Some(Vec::new()));
         }
-        self.gpu.queue.write_buffer(&self.positions, 0, cast_slice(positions));
+        self.gpu.queue.write_buffer(&self.starts, 0, cast_slice(starts));
         self.set_batch(0, n, 0);
         let mut encoder = self.encoder();
         encoder.clear_buffer(&self.radiance, 0, Some(bytes::<[f32; 4]>(n)));

@@ -21,6 +21,7 @@ mod sky;
 mod texturing;
 mod trace;
 
+pub use pixel::single_ray;
 pub use plan::ScenePlan;
 pub use radiosity::RadiosityState;
 pub use trace::Tracer;

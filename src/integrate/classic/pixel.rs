@@ -1,9 +1,10 @@
 //! One picture position: camera rays, the lens of focal blur, the rays of a mesh camera. Source: spec/light.md, sections 1 and 11.
 
-use super::plan::interiors_at;
+use super::plan::{ScenePlan, interiors_at};
 use super::ray::{Seen, TraceRay};
 use super::texturing as cover;
 use super::trace::Tracer;
+use crate::compile::CompiledScene;
 use crate::kernel::PatternPoint;
 use crate::kernel::lens::Lens;
 use crate::math::{DVec2, DVec3, Ray, Vec3};
@@ -26,11 +27,8 @@ impl Tracer<'_> {
         if let Some(lens) = &plan.camera.lens {
             return self.blurred(lens, x, y);
         }
-        match plan.camera.ray(x, y) {
-            Some((ray, at)) => {
-                let ray = self.bent(ray, at);
-                self.camera_ray(ray, f64::INFINITY)
-            }
+        match single_ray(self.scene, plan, x, y) {
+            Some(ray) => self.camera_ray(ray, f64::INFINITY),
             None => self.nothing(),
         }
     }
@@ -47,7 +45,7 @@ impl Tracer<'_> {
             for _ in 0..lens.group(group).min(lens.max_samples() - n) {
                 let c = match self.plan.camera.lens_ray(lens, x, y, n) {
                     Some((ray, at)) => {
-                        let ray = self.bent(ray, at);
+                        let ray = bent(self.scene, self.plan, ray, at);
                         self.camera_ray(ray, f64::INFINITY)
                     }
                     None => self.nothing(),
@@ -66,14 +64,6 @@ impl Tracer<'_> {
         sum.map(|v| v / n as f32)
     }
 
-    /// The ray with the camera's normal applied to its direction.
-    fn bent(&self, ray: Ray, at: DVec3) -> Ray {
-        let Some(normal_ix) = self.plan.camera.normal_ix else { return ray };
-        let p = PatternPoint { point: at, uv: DVec2::ZERO, world: at, normal: DVec3::ZERO, ray_dir: DVec3::ZERO };
-        let dir = cover::perturb_in_world(self.scene, normal_ix, ray.dir, &p);
-        Ray::new(ray.origin, dir.try_normalize().unwrap_or(ray.dir))
-    }
-
     fn camera_ray(&mut self, ray: Ray, max_depth: f64) -> [f32; 4] {
         let interiors = match &self.plan.camera_interiors {
             Some(list) => list.clone(),
@@ -84,4 +74,17 @@ impl Tracer<'_> {
         let rgb = if rgb.is_finite() { rgb } else { Vec3::ZERO };
         [rgb.x, rgb.y, rgb.z, transmit]
     }
+}
+
+/// The one ray of a position of a camera without lens and mesh; `None` where the projection shows nothing.
+pub fn single_ray(scene: &CompiledScene, plan: &ScenePlan, x: f64, y: f64) -> Option<Ray> {
+    plan.camera.ray(x, y).map(|(ray, at)| bent(scene, plan, ray, at))
+}
+
+/// The ray with the camera's normal applied to its direction.
+fn bent(scene: &CompiledScene, plan: &ScenePlan, ray: Ray, at: DVec3) -> Ray {
+    let Some(normal_ix) = plan.camera.normal_ix else { return ray };
+    let p = PatternPoint { point: at, uv: DVec2::ZERO, world: at, normal: DVec3::ZERO, ray_dir: DVec3::ZERO };
+    let dir = cover::perturb_in_world(scene, normal_ix, ray.dir, &p);
+    Ray::new(ray.origin, dir.try_normalize().unwrap_or(ray.dir))
 }
