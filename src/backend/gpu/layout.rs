@@ -202,7 +202,10 @@ mod tests {
     use crate::backend::gpu::modules::MODULES;
 
     /// Names, sizes and members of the structs that naga sees in a shader.
-    fn shader_structs(text: &str) -> Vec<(String, usize, Vec<(String, usize)>)> {
+    /// A struct of the shader: name, size, members with their offsets.
+    type ShaderStruct = (String, usize, Vec<(String, usize)>);
+
+    fn shader_structs(text: &str) -> Vec<ShaderStruct> {
         let module = naga::front::wgsl::parse_str(text).expect("the layout module is plain WGSL");
         let mut list = Vec::new();
         for (_, ty) in module.types.iter() {

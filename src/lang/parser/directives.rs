@@ -85,7 +85,7 @@ impl Parser<'_> {
             Kw::Statistics => self.message(Stream::Statistics),
             Kw::Warning => {
                 let text = self.parse_text()?;
-                self.warn(format!("{}", clip(&text, 160, 124).replace('\n', " ")));
+                self.warn(clip(&text, 160, 124).replace('\n', " "));
                 Ok(())
             }
             Kw::Error => {
