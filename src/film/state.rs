@@ -1,6 +1,6 @@
 //! The finished pixels of an unfinished picture, so that another run can go on from them.
 //!
-//! A file is [`MAGIC`], the fingerprint (length and bytes), width and height, runs of finished pixels (first, count, then samples and
+//! A file is `MAGIC`, the fingerprint (length and bytes), width and height, runs of finished pixels (first, count, then samples and
 //! four floats of each), and a checksum over all of it; numbers are little-endian.
 
 use super::write::replace_file;

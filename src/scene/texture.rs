@@ -16,7 +16,7 @@ pub struct BlendMap<T> {
 pub enum PigmentKind {
     /// One colour everywhere.
     Solid(Rgbft),
-    /// The pattern's own default colours ([`Pigment::default_map`] resolves it when the scene is compiled).
+    /// The pattern's own default colours (resolved when the scene is compiled).
     DefaultMap,
     /// Colours, blended (lists have positions 0, 1, 2, ... that the values hit exactly).
     ColorMap(Arc<BlendMap<Rgbft>>),

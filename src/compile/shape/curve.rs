@@ -4,7 +4,7 @@
 use crate::math::{DVec2, EPSILON};
 use crate::scene::shape::CurveKind;
 
-/// A piece of a curve: c[0] w³ + c[1] w² + c[2] w + c[3] for w in 0..=1.
+/// A piece of a curve: `c[0] w³ + c[1] w² + c[2] w + c[3]` for w in 0..=1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurveSegment {
     /// Highest power first.
