@@ -44,7 +44,7 @@ pub struct Scene {
     pub settings: Settings,
     /// The one camera.
     pub camera: Camera,
-    /// What a ray sees that hits nothing.
+    /// What a ray sees that hits nothing. Its filter and transmit count in output with alpha alone; black that lets through by default.
     pub background: Rgbft,
     /// Seen by direction, in front of the background.
     pub sky_sphere: Option<SkySphere>,
@@ -65,7 +65,7 @@ impl Default for Scene {
         Self {
             settings: Settings::default(),
             camera: Camera::default(),
-            background: Rgbft::BLACK,
+            background: Rgbft { transmit: 1.0, ..Rgbft::BLACK },
             sky_sphere: None,
             fogs: Vec::new(),
             rainbows: Vec::new(),

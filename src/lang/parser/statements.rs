@@ -88,8 +88,9 @@ impl Parser<'_> {
                 let c = self.block("background", |p| if at_end(p)? { Ok(Default::default()) } else { p.parse_color() })?;
                 self.scene.background = c;
                 if self.version < 370 {
+                    // Output with alpha (+UA) sees through it, whatever its colour (measured).
                     self.scene.background.filter = 0.0;
-                    self.scene.background.transmit = 0.0;
+                    self.scene.background.transmit = 1.0;
                 }
                 Ok(())
             }
