@@ -3,7 +3,8 @@
 //! The modules are rooms with ranks: a module imports lower ranks only (ARCHITECTURE.md follows a scene through them,
 //! `tests/tidy.rs` checks the ranks).
 
-pub mod math; // rank 0
+pub mod math;
+pub mod memory; // rank 0
 
 pub mod diag; // rank 1
 

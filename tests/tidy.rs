@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 /// Rooms by rank, as ARCHITECTURE.md lists them: a room imports lower ranks, and itself, only.
 const RANKS: &[(&str, u8)] = &[
     ("math", 0),
+    ("memory", 0),
     ("diag", 1),
     ("world", 2),
     ("scene", 3),

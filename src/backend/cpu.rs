@@ -65,20 +65,21 @@ impl Backend for CpuBackend {
         let area = |b: &Block| u64::from(b[2] - b[0]) * u64::from(b[3] - b[1]);
         let done = AtomicU64::new(area(&settings.crop) - all.iter().map(area).sum::<u64>());
         let job = Job { settings, progress, cancel, done, film: Mutex::new(film) };
+        let tracer = || Tracer::new(scene, &plan).until(cancel);
         pool.install(|| {
             if ordered {
-                let mut tracer = Tracer::new(scene, &plan);
+                let mut main = tracer();
                 if let (Some(r), true) = (&scene.settings.radiosity, plan.quality.volumes) {
-                    let mut first = Tracer::new(scene, &plan);
+                    let mut first = tracer();
                     first.radiosity = Some(RadiosityState::new(r));
                     first.start_radiosity_pass(true);
                     first.pretrace(r, &all, settings.width.max(settings.height), &|| !cancel.load(Ordering::Relaxed));
-                    tracer.radiosity = first.radiosity;
-                    tracer.start_radiosity_pass(false);
+                    main.radiosity = first.radiosity;
+                    main.start_radiosity_pass(false);
                 }
-                all.iter().for_each(|b| job.render(*b, &mut tracer));
+                all.iter().for_each(|b| job.render(*b, &mut main));
             } else {
-                all.par_iter().with_max_len(1).for_each(|b| job.render(*b, &mut Tracer::new(scene, &plan)));
+                all.par_iter().with_max_len(1).for_each(|b| job.render(*b, &mut tracer()));
             }
         });
         Ok(())
@@ -125,6 +126,8 @@ impl Job<'_> {
                 rows_of(block, &go_on, &mut pixels, |x, y| self.mean_of_samples(tracer, x, y))
             }
         };
+        // Rays that a cancel cut short left their mark on the last row, and on the one above (antialiasing looks up).
+        let rows = if go_on() { rows } else { rows.saturating_sub(2) };
         {
             let mut film = self.film.lock().expect("no thread panics while it holds the film");
             for r in 0..rows {

@@ -20,6 +20,7 @@ impl Interrupt {
         // Without a handler the signal ends the program, which is no worse than before.
         let _ = ctrlc::set_handler(move || {
             if seen.cancel.swap(true, Ordering::SeqCst) || !seen.rendering.load(Ordering::SeqCst) {
+                super::console::print_error("interrupted");
                 std::process::exit(i32::from(exit_code));
             }
         });

@@ -42,7 +42,7 @@ POV-Ray 3.7's own options, unchanged. The ones used most:
   +GDfile +GWfile ...      text streams to files in the output folder
   Declare=NAME=VALUE       a constant for the scene
 Settings of rayloom's own: Backend=auto|cpu|gpu, Accel=auto|kd|bvh|brute, Allow_IO=FOLDER (a scene writes to its own folder, the
-output folder and the temporary folder only).
+output folder and the temporary folder only), Max_Steps=N (loop turns of a scene), Max_Memory=MIB.
 povray.ini is read first: $POVINI, ./povray.ini, ~/.povray/3.7/povray.ini, /etc/povray/3.7/povray.ini; then $POVINC, then the arguments.
 Exit codes: 0 done, 1 error, 2 interrupted.
 ";
@@ -81,7 +81,13 @@ pub fn run(args: &PovrayArgs) -> ExitCode {
 /// Renders every frame that is asked for; stops at the first that fails.
 fn animate(options: &PovOptions, input: &Path) -> ExitCode {
     let interrupt = Interrupt::listen(2);
-    let all = frames(options);
+    let all = match frames(options) {
+        Ok(all) => all,
+        Err(e) => {
+            print_error(&e.to_string());
+            return ExitCode::from(1);
+        }
+    };
     if all.is_empty() {
         print_error("no frame lies between the first and the last that are asked for");
         return ExitCode::from(1);

@@ -94,6 +94,12 @@ pub struct RenderArgs {
     /// Folder that the scene may write files to, besides its own, the picture's and the temporary one; may be given again
     #[arg(long, value_name = "DIR")]
     allow_io: Vec<PathBuf>,
+    /// Loop turns, macro calls and includes after which a scene is called endless [default: 100 million]
+    #[arg(long, value_name = "N")]
+    max_steps: Option<u64>,
+    /// Memory to use at most [default: most of what is free]
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..1 << 40))]
+    max_memory: Option<u64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -242,11 +248,14 @@ fn jobs(args: &RenderArgs) -> Result<Vec<Job>, JobError> {
     }
     o.library_paths.splice(0..0, args.library.iter().map(|p| p.display().to_string()));
     o.library_paths.extend(include_folders().map(|p| p.display().to_string()));
+    o.max_steps = args.max_steps.or(o.max_steps);
+    o.max_memory = args.max_memory.or(o.max_memory);
     o.allow_io.extend(args.allow_io.iter().cloned());
     let Some(input) = o.input.clone().map(PathBuf::from) else {
         return Err(JobError::Options(format!("'{}' names no scene (Input_File_Name)", args.scene)));
     };
-    frames(&o).iter().map(|frame| finish(args, &o, job_for_frame(&o, &input, frame)?, &input, frame.digits, frame.number)).collect()
+    let all = frames(&o).map_err(|e| usage(&e))?;
+    all.iter().map(|frame| finish(args, &o, job_for_frame(&o, &input, frame)?, &input, frame.digits, frame.number)).collect()
 }
 
 /// What `render` says beyond POV-Ray's options.

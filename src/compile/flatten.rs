@@ -12,6 +12,7 @@ use super::texture::TextureBuilder;
 use super::{CompileError, CompiledLight, Interior, LightBeam, LightGroup, Media, NONE};
 use crate::accel::{Accel, AccelKind, AccelOptions, PrimSet};
 use crate::math::{Bounds, DVec3, Rgbft, Transform};
+use crate::memory::MemoryLimit;
 use crate::scene::{self, Csg, Light, Object, Shape, Texture};
 use std::sync::Arc;
 
@@ -21,6 +22,14 @@ const MAX_PRIMS: usize = 1 << 26;
 const MAX_STEPS: usize = 1 << 26;
 /// Deepest nesting of objects; the compile step recurses.
 const MAX_NESTING: usize = 200;
+
+/// Memory is looked at each time this many bytes were taken.
+const CHARGE: usize = 16 << 20;
+/// Bytes of a primitive with its bounds, shape and place; of a node while its object is compiled; of a primitive's share of the tree
+/// while that is built.
+const PRIM_COST: usize = 512;
+const NODE_COST: usize = 512;
+const TREE_COST: usize = 256;
 
 /// Primitives of a scene cost several times what triangles do.
 const SCENE_TREE: AccelOptions = AccelOptions { intersect_cost: 4.0, max_leaf: 2, max_refs_per_prim: 8.0 };
@@ -110,11 +119,14 @@ pub(super) struct Flattener {
     default_texture: Arc<Texture>,
     n_top_level: usize,
     accel: AccelKind,
+    memory: MemoryLimit,
+    /// Bytes taken since memory was looked at.
+    charged: usize,
 }
 
 impl Flattener {
     /// Nothing yet; `n_top_level` objects will follow.
-    pub fn new(textures: TextureBuilder, n_top_level: usize, accel: AccelKind) -> Self {
+    pub fn new(textures: TextureBuilder, n_top_level: usize, accel: AccelKind, memory: MemoryLimit) -> Self {
         Self {
             geometry: Geometry::default(),
             interiors: Vec::new(),
@@ -130,7 +142,19 @@ impl Flattener {
             default_texture: Arc::new(Texture::solid(Rgbft::BLACK)),
             n_top_level,
             accel,
+            memory,
+            charged: 0,
         }
+    }
+
+    /// Counts bytes that are about to be taken; looks now and then whether there are so many, and what the tree will need.
+    fn charge(&mut self, bytes: usize) -> Result<(), CompileError> {
+        self.charged += bytes;
+        if self.charged < CHARGE {
+            return Ok(());
+        }
+        let more = std::mem::take(&mut self.charged) + self.geometry.prims.len() * TREE_COST;
+        Ok(self.memory.allows(more as u64)?)
     }
 
     /// Adds a top-level object of the scene.
@@ -366,6 +390,7 @@ impl Flattener {
             let count = (start + steps.len()) as u64;
             return Err(CompileError::TooMany { what: "steps of CSG programs", count, limit: MAX_STEPS as u64 });
         }
+        self.charge(2 * size_of_val(steps))?;
         self.geometry.clip_steps.extend_from_slice(steps);
         Ok(InsideProgram { start: start as u32, len: steps.len() as u32 })
     }
@@ -375,6 +400,7 @@ impl Flattener {
         if entered.depth > MAX_NESTING {
             return Err(CompileError::TooDeep { depth: entered.depth, limit: MAX_NESTING });
         }
+        self.charge(NODE_COST)?;
         let first = self.geometry.prims.len() as u32;
         let inverted = inverted ^ object.flags.inverse;
         let mut inside = entered.descend(object);
@@ -606,6 +632,7 @@ impl Flattener {
     }
 
     fn add_prim(&mut self, leaf: &Leaf, inside: &Inherited, inverted: bool, in_csg: bool) -> Result<Node, CompileError> {
+        self.charge(PRIM_COST)?;
         if self.geometry.prims.len() >= MAX_PRIMS {
             return Err(CompileError::TooMany { what: "primitives", count: MAX_PRIMS as u64 + 1, limit: MAX_PRIMS as u64 });
         }

@@ -18,6 +18,7 @@ mod validate;
 use crate::accel::AccelKind;
 use crate::diag::Sink;
 use crate::math::{DVec3, Rgb, Rgbft, Transform};
+use crate::memory::{MemoryLimit, OutOfMemory};
 use crate::scene::light::LightKind;
 use crate::scene::{Camera, Fog, Light, Rainbow, Scene, Settings};
 use flatten::Flattener;
@@ -36,11 +37,13 @@ pub struct CompileOptions {
     pub skip: bool,
     /// Kind of tree over primitives and triangles.
     pub accel: AccelKind,
+    /// Memory that the process may use.
+    pub memory: MemoryLimit,
 }
 
 impl Default for CompileOptions {
     fn default() -> Self {
-        Self { quality: 9, skip: true, accel: AccelKind::Auto }
+        Self { quality: 9, skip: true, accel: AccelKind::Auto, memory: MemoryLimit::default() }
     }
 }
 
@@ -214,6 +217,9 @@ pub enum CompileError {
         /// The limit.
         limit: u64,
     },
+    /// More memory than the process may use.
+    #[error("the compiled scene does not fit: {0}")]
+    Memory(#[from] OutOfMemory),
     /// Objects inside objects deeper than the compile step or the clip programs can hold.
     #[error("objects are nested {depth} deep; at most {limit} is possible")]
     TooDeep {
@@ -227,7 +233,7 @@ pub enum CompileError {
 /// Compiles one object that is asked about before its scene is complete: a scene of that object alone, hidden and without covers,
 /// as object 0.
 pub fn compile_object(object: &crate::scene::Object, settings: &Settings) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto);
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, MemoryLimit::default());
     flattener.add_hidden(object)?;
     finish(flattener, &Scene::default(), &CompileOptions::default())
 }
@@ -237,7 +243,7 @@ pub fn compile_function(
     function: &std::sync::Arc<crate::scene::Function>,
     settings: &Settings,
 ) -> Result<(CompiledScene, FunctionIx), CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto);
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, MemoryLimit::default());
     let ix = flattener.textures.function(function);
     let scene = Scene { settings: settings.clone(), ..Scene::default() };
     Ok((finish(flattener, &scene, &CompileOptions::default())?, ix))
@@ -248,7 +254,7 @@ pub fn compile_pigment(
     pigment: &std::sync::Arc<crate::scene::Pigment>,
     settings: &Settings,
 ) -> Result<(CompiledScene, PigmentIx), CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto);
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, MemoryLimit::default());
     let ix = flattener.textures.pigment(pigment);
     let scene = Scene { settings: settings.clone(), ..Scene::default() };
     Ok((finish(flattener, &scene, &CompileOptions::default())?, ix))
@@ -256,7 +262,7 @@ pub fn compile_pigment(
 
 /// Compiles a scene. What cannot be rendered yet is left out with a note in `sink`, once a kind.
 pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(&scene.settings), scene.objects.len(), options.accel);
+    let mut flattener = Flattener::new(TextureBuilder::new(&scene.settings), scene.objects.len(), options.accel, options.memory);
     for light in &scene.lights {
         flattener.add_light(light)?;
     }

@@ -45,11 +45,11 @@ impl SourceFile {
         (line as u32, at - self.line_starts[line - 1] + 1)
     }
 
-    /// The text of a line (from 1) without its ending; bytes that are no UTF-8 are replaced.
-    pub fn line_text(&self, line: u32) -> String {
-        let Some(&lo) = self.line_starts.get(line as usize - 1) else { return String::new() };
+    /// A line (from 1) without its ending.
+    pub fn line_bytes(&self, line: u32) -> &[u8] {
+        let Some(&lo) = self.line_starts.get(line as usize - 1) else { return &[] };
         let hi = self.line_starts.get(line as usize).map_or(self.bytes.len(), |&s| s as usize);
-        String::from_utf8_lossy(&self.bytes[lo as usize..hi]).trim_end_matches(['\n', '\r']).to_owned()
+        self.bytes[lo as usize..hi].trim_ascii_end()
     }
 }
 

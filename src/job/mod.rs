@@ -141,6 +141,9 @@ impl JobError {
     }
 }
 
+/// Bytes of a pixel in the film and while its file is made.
+const PIXEL_COST: u64 = 32;
+
 /// Tells the findings gathered since the last call.
 fn tell(sink: &mut Sink, map: &SourceMap, listener: &dyn Listener) {
     for d in sink.drain() {
@@ -160,6 +163,11 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     if let Some(target) = &job.target {
         target.check()?;
     }
+    let pixels = u64::from(job.render.width) * u64::from(job.render.height);
+    job.compile
+        .memory
+        .allows(pixels * PIXEL_COST)
+        .map_err(|e| JobError::Options(format!("a picture of {} by {} pixels does not fit: {e}", job.render.width, job.render.height)))?;
     listener.stage(&Stage::Loading);
     let loaded = load::load(job, &mut map, &mut sink, listener);
     tell(&mut sink, &map, listener);

@@ -8,6 +8,7 @@ use crate::integrate::antialias::Block;
 use crate::integrate::{Antialias, IntegratorKind, RenderSettings};
 use crate::lang::LangOptions;
 use crate::lang::options::{Frame, GammaOption, OutputName, OutputType, PovOptions};
+use crate::memory::MemoryLimit;
 use std::path::{Path, PathBuf};
 
 /// Largest side and largest number of pixels of a picture.
@@ -42,6 +43,7 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
         alpha: o.output_alpha,
         dither: if o.dither { DitherMethod::named(&o.dither_method) } else { None },
     });
+    let memory = o.max_memory.map_or_else(MemoryLimit::of_machine, |mib| MemoryLimit::bytes(mib << 20));
     let lang = LangOptions {
         width: o.width,
         height: o.height,
@@ -51,6 +53,8 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
         declares: o.declares.clone(),
         header: o.header.clone(),
         version: o.version,
+        max_steps: o.max_steps.unwrap_or(LangOptions::default().max_steps),
+        memory,
         ..LangOptions::default()
     };
     let scene_folder = input.parent().map_or_else(PathBuf::new, Path::to_path_buf);
@@ -77,7 +81,7 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
             output_alpha: o.output_alpha,
             block_size: o.block_size,
         },
-        compile: CompileOptions { quality: o.quality, skip: true, accel: accel_named(&o.accel) },
+        compile: CompileOptions { quality: o.quality, skip: true, accel: accel_named(&o.accel), memory },
         backend: match o.backend.as_str() {
             "cpu" => BackendChoice::Cpu,
             "gpu" => BackendChoice::Gpu,

@@ -12,6 +12,7 @@ pub mod token;
 pub mod value;
 
 use crate::diag::{Diagnostic, Sink, SourceMap};
+use crate::memory::MemoryLimit;
 use crate::scene::{Scene, SceneQuery};
 use crate::world::World;
 
@@ -47,6 +48,8 @@ pub struct LangOptions {
     pub max_steps: u64,
     /// Most objects that a scene may place.
     pub max_objects: usize,
+    /// Memory that the process may use.
+    pub memory: MemoryLimit,
 }
 
 impl Default for LangOptions {
@@ -60,8 +63,9 @@ impl Default for LangOptions {
             declares: Vec::new(),
             header: None,
             version: None,
-            max_steps: 500_000_000,
+            max_steps: 100_000_000,
             max_objects: 10_000_000,
+            memory: MemoryLimit::default(),
         }
     }
 }

@@ -225,6 +225,8 @@ pub struct Entry {
     pub binding: Binding,
     /// A warning for each use, or the first alone.
     pub deprecated: Option<Arc<Deprecated>>,
+    /// How deep blocks are nested in the value, those of the names that it was made of included; 0 for numbers and strings.
+    pub nesting: u32,
 }
 
 /// `#declare deprecated`.
@@ -328,9 +330,26 @@ impl SymbolTable {
         result
     }
 
+    /// [`Entry::nesting`] of what a name stands for.
+    pub fn nesting(&self, name: Symbol) -> u32 {
+        match self.find(name) {
+            Some((_, Entry { binding: Binding::Alias(p), .. })) => {
+                self.scopes.get(p.scope).and_then(|s| s.get(&p.name)).map_or(0, |e| e.nesting)
+            }
+            found => found.map_or(0, |(_, e)| e.nesting),
+        }
+    }
+
+    /// Says how deep the value at a place is nested; what an array holds adds up to its deepest element.
+    pub fn set_nesting(&mut self, place: &Place, nesting: u32) {
+        if let Some(e) = self.scopes.get_mut(place.scope).and_then(|s| s.get_mut(&place.name)) {
+            e.nesting = if place.path.is_empty() { nesting } else { e.nesting.max(nesting + 1) };
+        }
+    }
+
     /// Sets a name in one scope, new or not.
     pub fn set(&mut self, scope: usize, name: Symbol, value: Value) {
-        self.scopes[scope].insert(name, Entry { binding: Binding::Value(value), deprecated: None });
+        self.scopes[scope].insert(name, Entry { binding: Binding::Value(value), deprecated: None, nesting: 0 });
     }
 }
 

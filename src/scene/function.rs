@@ -13,6 +13,8 @@ pub struct Function {
     pub n_params: usize,
     /// What it computes.
     pub body: FunctionBody,
+    /// Operands of one call, those inside the functions that it calls included; a sum or product whose bounds are numbers counts its terms.
+    pub cost: u64,
 }
 
 /// What a function computes.

@@ -10,6 +10,7 @@ use crate::kernel::atmosphere::BACKGROUND_DEPTH;
 use crate::kernel::traverse::{MIN_DEPTH, intersect};
 use crate::math::Rgb;
 use crate::math::random::{GrainStream, UniformStream};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Rays inside rays: bounds the stack whatever the scene (transmitted rays of equal index count no level).
 const MAX_RECURSION: u32 = 1200;
@@ -38,6 +39,8 @@ pub struct Tracer<'a> {
     pub(super) media_scratch: [MediaScratch; 2],
     /// Present while radiosity is on.
     pub radiosity: Option<RadiosityState>,
+    /// Once set, all that follows is black: a single pixel may take hours.
+    pub(super) cancel: Option<&'a AtomicBool>,
 }
 
 impl<'a> Tracer<'a> {
@@ -58,12 +61,22 @@ impl<'a> Tracer<'a> {
             area_points: Vec::new(),
             media_scratch: Default::default(),
             radiosity: None,
+            cancel: None,
         }
+    }
+
+    /// The tracer with a switch that makes the rest of its picture black, and quick.
+    #[must_use]
+    pub fn until(self, cancel: &'a AtomicBool) -> Self {
+        Self { cancel: Some(cancel), ..self }
     }
 
     /// What `r` sees. `weight` only decides cut-offs; a `continued` ray counts no level.
     pub(super) fn trace(&mut self, r: &TraceRay, weight: f64, continued: bool) -> Seen {
         if self.level >= self.max_level || weight < self.adc_bailout || self.recursion >= MAX_RECURSION {
+            return Seen::BLACK;
+        }
+        if self.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
             return Seen::BLACK;
         }
         let counted = u32::from(!continued);

@@ -8,7 +8,7 @@ use crate::math::{DVec3, EPSILON, MAX_DISTANCE};
 /// Both crossings of a quadric.
 #[inline]
 pub fn intersect_quadric(s: &QuadricShape, ray: &LocalRay, sink: &mut impl HitSink) {
-    let [a, b, c, d, e, f, g, h, i, j] = s.c;
+    let [a, b, c, d, e, f, g, h, i, _] = s.c;
     let (o, v) = (ray.origin, ray.dir);
     let qa = a * v.x * v.x + b * v.y * v.y + c * v.z * v.z + d * v.x * v.y + e * v.x * v.z + f * v.y * v.z;
     let qb = a * o.x * v.x
@@ -16,7 +16,6 @@ pub fn intersect_quadric(s: &QuadricShape, ray: &LocalRay, sink: &mut impl HitSi
         + c * o.z * v.z
         + 0.5 * (d * (o.x * v.y + o.y * v.x) + e * (o.x * v.z + o.z * v.x) + f * (o.y * v.z + o.z * v.y) + g * v.x + h * v.y + i * v.z);
     let qc = quadric_value(s, o);
-    debug_assert!(j.is_finite());
     let mut push = |t: f64| {
         if t > 1e-6 && t < MAX_DISTANCE {
             sink.push(t, Part::default());

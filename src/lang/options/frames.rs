@@ -1,6 +1,9 @@
 //! The frames of an animation and their clocks. Source: spec/language.md, section 11.2.
 
-use super::PovOptions;
+use super::{OptionError, PovOptions};
+
+/// Most frames of a run.
+const MAX_FRAMES: usize = 1_000_000;
 
 /// One picture of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,10 +21,10 @@ pub struct Frame {
 }
 
 /// All frames that the options ask for: one without animation, none for an empty subset.
-pub fn frames(o: &PovOptions) -> Vec<Frame> {
+pub fn frames(o: &PovOptions) -> Result<Vec<Frame>, OptionError> {
     if !o.is_animation() {
         let clock = f64::from(o.clock as f32);
-        return vec![Frame { number: 0, clock, clock_on: o.clock_on, variables: [0.0; 6], digits: 0 }];
+        return Ok(vec![Frame { number: 0, clock, clock_on: o.clock_on, variables: [0.0; 6], digits: 0 }]);
     }
     let (first, last) = (o.initial_frame, o.final_frame);
     // A cyclic run ends one step before its first picture comes again.
@@ -36,12 +39,15 @@ pub fn frames(o: &PovOptions) -> Vec<Frame> {
     let from = place(o.subset_start, first).max(first);
     let to = place(o.subset_end, last).min(last);
     let digits = counted_last.to_string().len();
-    (from..=to)
-        .step_by(o.frame_step.max(1) as usize)
+    let numbers = (from..=to).step_by(o.frame_step.max(1) as usize);
+    if numbers.clone().nth(MAX_FRAMES).is_some() {
+        return Err(OptionError::TooManyFrames(MAX_FRAMES));
+    }
+    Ok(numbers
         .map(|number| {
             let clock = o.initial_clock + delta * (f64::from(number) - f64::from(first));
             let variables = [f64::from(number), f64::from(first), f64::from(counted_last), delta, o.initial_clock, o.final_clock];
             Frame { number, clock: f64::from(clock as f32), clock_on: true, variables, digits }
         })
-        .collect()
+        .collect())
 }

@@ -8,12 +8,18 @@ use std::path::PathBuf;
 
 /// Most INI files inside each other.
 const MAX_DEPTH: usize = 16;
+/// Most INI files of a run, the same one each time it is read.
+const MAX_FILES: usize = 1000;
 
 impl PovOptions {
     /// Takes the settings of `name`, which may end in `[section]`.
     pub(super) fn read_ini(&mut self, name: &str, world: &dyn World, depth: usize) -> Result<(), OptionError> {
         if depth > MAX_DEPTH {
             return Err(OptionError::TooDeep(MAX_DEPTH));
+        }
+        self.n_ini_files += 1;
+        if self.n_ini_files > MAX_FILES {
+            return Err(OptionError::TooMany(MAX_FILES));
         }
         let (file, section) = match name.strip_suffix(']').and_then(|n| n.rsplit_once('[')) {
             Some((file, section)) => (file, Some(section.to_ascii_lowercase())),

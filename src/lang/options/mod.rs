@@ -42,6 +42,12 @@ pub enum OptionError {
     /// INI files that include each other, or too many.
     #[error("INI files are nested more than {0} deep")]
     TooDeep(usize),
+    /// An animation without end.
+    #[error("an animation of more than {0} frames is asked for")]
+    TooManyFrames(usize),
+    /// INI files that are read again and again.
+    #[error("more than {0} INI files are read")]
+    TooMany(usize),
 }
 
 /// Format letter of `Output_File_Type`.
@@ -154,8 +160,13 @@ pub struct PovOptions {
     pub backend: String,
     pub accel: String,
     pub allow_io: Vec<PathBuf>,
+    /// Loop turns, macro calls and includes of a scene, and MiB of memory, beyond which it is given up; `None` for the defaults.
+    pub max_steps: Option<u64>,
+    pub max_memory: Option<u64>,
     /// Every option that was set, by key, with its last value.
     pub given: BTreeMap<String, String>,
+    /// INI files read so far.
+    pub n_ini_files: usize,
     /// Options that were taken and change nothing here, each once, with its reason.
     pub ignored: Vec<(String, &'static str)>,
 }
@@ -215,7 +226,10 @@ impl Default for PovOptions {
             backend: "auto".into(),
             accel: "auto".into(),
             allow_io: Vec::new(),
+            max_steps: None,
+            max_memory: None,
             given: BTreeMap::new(),
+            n_ini_files: 0,
             ignored: Vec::new(),
         }
     }

@@ -74,6 +74,8 @@ impl PovOptions {
             "declare" => self.declare(value)?,
             "backend" => self.backend = one_of(value, &["auto", "cpu", "gpu"])?,
             "accel" => self.accel = one_of(value, &["auto", "kd", "bvh", "brute"])?,
+            "max_steps" => self.max_steps = Some(u64::from(int(value)?)),
+            "max_memory" => self.max_memory = Some(u64::from(int(value)?)),
             "allow_io" => self.allow_io.push(PathBuf::from(value)),
             _ => return self.stream_or_ignored(key, value),
         }

@@ -148,6 +148,8 @@ pub const OPTIONS: &[OptionSpec] = &[
     spec("backend", "", Value),
     spec("accel", "", Value),
     spec("allow_io", "", Value),
+    spec("max_steps", "", Value),
+    spec("max_memory", "", Value),
 ];
 
 /// Keys of earlier versions: taken in INI files with a note, unknown on the command line.

@@ -29,6 +29,7 @@ impl Parser<'_> {
         }
         let n = dims.iter().try_fold(1usize, |n, &d| n.checked_mul(d)).filter(|&n| n <= MAX_ITEMS);
         let Some(n) = n else { return Err(self.error("Dimension size for an array is too large.")) };
+        self.charge(n.saturating_mul(size_of::<Option<Value>>()))?;
         let mut array = Array { dims, items: vec![None; n] };
         let has_items = self.closed_place(|p| p.at_punct(Punct::LBrace))?;
         if has_items {

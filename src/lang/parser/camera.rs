@@ -78,7 +78,8 @@ impl Parser<'_> {
 
     fn mesh_camera(&mut self) -> PResult<Projection> {
         self.block("mesh_camera", |p| {
-            let n_rays = p.parse_int()?.clamp(1, 1 << 20) as u32;
+            let n_rays = p.parse_int()?.max(1);
+            let n_rays = p.at_most(n_rays, 1 << 20, "A number of rays")?;
             let distribution = p.parse_int()?;
             if !(0..=3).contains(&distribution) {
                 return Err(p.error("Mesh camera distribution type must be 0, 1, 2 or 3."));
@@ -181,7 +182,7 @@ impl Parser<'_> {
                     if low > high {
                         return Err(self.error("Focal blur samples minimum must not be larger than maximum."));
                     }
-                    items.samples = (low.clamp(0, 1 << 20) as u32, high.clamp(0, 1 << 20) as u32);
+                    items.samples = (low.max(0) as u32, self.at_most(high, 1 << 20, "A number of focal blur samples")?);
                 }
                 Kw::Confidence => {
                     self.next()?;

@@ -185,7 +185,8 @@ impl Parser<'_> {
                         }
                         Kw::MaxIteration => {
                             self.next()?;
-                            max_iteration = self.parse_int()?.clamp(1, 1_000_000) as u32;
+                            let n = self.parse_int()?.max(1);
+                            max_iteration = self.at_most(n, 1 << 20, "max_iteration")?;
                         }
                         Kw::Precision => {
                             self.next()?;

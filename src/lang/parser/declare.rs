@@ -54,14 +54,17 @@ impl Parser<'_> {
             return Err(self.error("Redeclaring functions is not allowed - #undef the function first!"));
         }
         let was = std::mem::replace(&mut self.closed_ops, true);
-        let value = self.parse_rvalue();
+        let value = self.measured(|p| p.parse_rvalue());
         self.closed_ops = was;
-        let Some(mut value) = value? else { return self.bad_rvalue() };
+        let (value, nesting) = value?;
+        let Some(mut value) = value else { return self.bad_rvalue() };
         if let Value::Function(f) = &mut value {
             Arc::make_mut(f).name = self.interner.text(name);
         }
         let needs_semicolon = matches!(value, Value::Num(_));
+        self.charge_copy(&place)?;
         self.assign(&place, name, value)?;
+        self.symbols.set_nesting(&place, nesting);
         if let Some((once, message)) = deprecated
             && let Some(entry) = self.symbols.scopes[place.scope].get_mut(&place.name)
         {
@@ -69,6 +72,30 @@ impl Parser<'_> {
             entry.deprecated = Some(Arc::new(Deprecated { once, message }));
         }
         self.end_of_declaration(needs_semicolon)
+    }
+
+    /// Reads a value, and tells how deep it is nested: 0 for numbers and strings.
+    pub(super) fn measured(&mut self, f: impl FnOnce(&mut Self) -> PResult<Option<Value>>) -> PResult<(Option<Value>, u32)> {
+        let outer = std::mem::take(&mut self.reach);
+        let value = f(self)?;
+        let nesting = std::mem::replace(&mut self.reach, outer);
+        if nesting > super::MAX_REACH {
+            return Err(self.error(format!("Values are made of each other too often (more than {} times).", super::MAX_REACH)));
+        }
+        let is_flat = matches!(value, Some(Value::Num(_) | Value::Str(_)));
+        Ok((value, if is_flat { 0 } else { nesting }))
+    }
+
+    /// An array that others hold as well is copied when an element is assigned.
+    fn charge_copy(&mut self, place: &Place) -> PResult<()> {
+        if let Some((_, parents)) = place.path.split_last()
+            && let Some(Value::Array(a)) = self.symbols.value_at(&Place { path: parents.to_vec(), ..place.clone() })
+            && Arc::strong_count(a) > 1
+        {
+            let bytes = a.items.len() * size_of::<Option<Value>>();
+            return self.charge(bytes);
+        }
+        Ok(())
     }
 
     fn bad_rvalue<T>(&mut self) -> PResult<T> {
@@ -100,7 +127,7 @@ impl Parser<'_> {
 
     pub(super) fn assign(&mut self, place: &Place, name: Symbol, value: Value) -> PResult<()> {
         if place.path.is_empty() && !self.symbols.scopes[place.scope].contains_key(&place.name) {
-            self.symbols.scopes[place.scope].insert(name, Entry { binding: Binding::Value(value), deprecated: None });
+            self.symbols.scopes[place.scope].insert(name, Entry { binding: Binding::Value(value), deprecated: None, nesting: 0 });
             return Ok(());
         }
         let kind = value.kind_name();

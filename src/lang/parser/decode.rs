@@ -3,13 +3,16 @@
 
 use crate::math::color::grey;
 use crate::math::{Rgbft, Vec3};
+use crate::memory::MemoryLimit;
 use crate::scene::Image;
 use crate::scene::image::Pixels;
 use crate::scene::settings::WorkingGamma;
 use std::io::Cursor;
 
 /// Images larger than this, in pixels, are refused.
-pub(super) const MAX_PIXELS: u64 = 1 << 28;
+const MAX_PIXELS: u64 = 1 << 28;
+/// Bytes of a pixel while its image is decoded.
+const PIXEL_COST: u64 = 32;
 
 /// How the file's numbers become the working space's.
 #[derive(Clone, Copy, PartialEq)]
@@ -37,6 +40,17 @@ pub(super) struct Rules {
     pub colored: bool,
     /// A Fractint potential file: 16 bits in two halves.
     pub pot: bool,
+    /// Memory that the process may use.
+    pub memory: MemoryLimit,
+}
+
+/// Refuses sizes that are too large, before anything is decoded.
+fn fits(width: u32, height: u32, rules: Rules) -> Result<(), String> {
+    let n = u64::from(width) * u64::from(height);
+    if n > MAX_PIXELS {
+        return Err(format!("it has {width} by {height} pixels, more than the limit of {MAX_PIXELS}"));
+    }
+    rules.memory.allows(n * PIXEL_COST).map_err(|e| e.to_string())
 }
 
 /// What a file's numbers are by themselves.
@@ -115,6 +129,10 @@ pub(super) fn decode_image(bytes: &[u8], rules: Rules) -> Result<Image, String> 
     {
         return indexed;
     }
+    let mut sizes = image::ImageReader::new(Cursor::new(bytes));
+    format.into_iter().for_each(|f| sizes.set_format(f));
+    let (width, height) = sizes.into_dimensions().map_err(|e| e.to_string())?;
+    fits(width, height, rules)?;
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(MAX_PIXELS * 8);
     reader.limits(limits);
@@ -229,9 +247,7 @@ fn decode_png(bytes: &[u8], rules: Rules) -> Result<Image, String> {
     let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
     let info = reader.info();
     let (width, height, kind, bits) = (info.width, info.height, info.color_type, info.bit_depth as usize);
-    if u64::from(width) * u64::from(height) > MAX_PIXELS {
-        return Err("it is too large".into());
-    }
+    fits(width, height, rules)?;
     let space = match (info.srgb, info.gama_chunk) {
         (Some(_), _) => FileSpace::Srgb,
         (None, Some(g)) if g.into_value() > 0.0 => FileSpace::Gamma(f64::from(g.into_value())),
@@ -332,8 +348,8 @@ fn indexed_bmp(bytes: &[u8], rules: Rules) -> Option<Result<Image, String>> {
     let palette: Vec<[u8; 3]> = decoder.get_palette().filter(|p| !p.is_empty())?.to_vec();
     decoder.set_indexed_color(true);
     let (width, height) = decoder.dimensions();
-    if u64::from(width) * u64::from(height) > MAX_PIXELS {
-        return Some(Err("it is too large".into()));
+    if let Err(e) = fits(width, height, rules) {
+        return Some(Err(e));
     }
     let mut indices = vec![0; usize::try_from(decoder.total_bytes()).ok()?];
     if let Err(e) = decoder.read_image(&mut indices) {
@@ -356,6 +372,9 @@ fn indexed_tga(bytes: &[u8], rules: Rules) -> Option<Result<Image, String>> {
     if h[1] != 1 || !matches!(h[2], 1 | 9) || h[16] != 8 || !matches!(color_bits, 24 | 32) || width * height == 0 {
         return None;
     }
+    if let Err(e) = fits(width as u32, height as u32, rules) {
+        return Some(Err(e));
+    }
     let n_bytes = usize::from(color_bits / 8);
     let map_at = 18 + usize::from(h[0]);
     let map = bytes.get(map_at..map_at + n_colors * n_bytes)?;
@@ -367,7 +386,7 @@ fn indexed_tga(bytes: &[u8], rules: Rules) -> Option<Result<Image, String>> {
     }));
     palette.truncate(256);
     let mut data = bytes[map_at + map.len()..].iter().copied();
-    let mut indices = Vec::with_capacity(width * height);
+    let mut indices = Vec::new();
     while indices.len() < width * height {
         let mut run = || -> Option<(usize, Option<u8>)> {
             if h[2] == 1 {
@@ -398,12 +417,10 @@ fn indexed_tga(bytes: &[u8], rules: Rules) -> Option<Result<Image, String>> {
 
 /// The first layer of an EXR file.
 fn decode_exr(bytes: &[u8], rules: Rules) -> Result<Image, String> {
-    use exr::prelude::{MetaData, ReadChannels, ReadLayers, Vec2, read};
-    let too_large = |s: Vec2<usize>| (s.area() as u64) > MAX_PIXELS;
+    use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
+    let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| e.to_string())?;
-    if meta.headers.iter().any(|h| too_large(h.layer_size)) {
-        return Err("it is too large".into());
-    }
+    meta.headers.iter().try_for_each(|h| fits(side(h.layer_size.width()), side(h.layer_size.height()), rules))?;
     let f = curve(rules, FileSpace::Linear);
     let image = read()
         .no_deep_data()
@@ -448,7 +465,14 @@ mod tests {
         let mut b = vec![0, 1, 9, 0, 0, 3, 0, 24, 0, 0, 0, 0, 3, 0, 1, 0, 8, 0];
         b.extend([0, 0, 255, 0, 255, 0, 255, 0, 0]); // red, green, blue as BGR
         b.extend([0x81, 2, 0, 1]); // twice 2, then 1 as it is
-        let rules = Rules { decode: Decode::Raw, working: WorkingGamma::Linear, old: false, colored: true, pot: false };
+        let rules = Rules {
+            decode: Decode::Raw,
+            working: WorkingGamma::Linear,
+            old: false,
+            colored: true,
+            pot: false,
+            memory: MemoryLimit::default(),
+        };
         let image = decode_image(&b, rules).expect("a whole file");
         let Pixels::Indexed { indices, palette } = image.pixels else { panic!("a palette") };
         assert_eq!(indices, [2, 2, 1]);
@@ -457,7 +481,14 @@ mod tests {
 
     #[test]
     fn cut_files_are_refused() {
-        let rules = Rules { decode: Decode::File, working: WorkingGamma::Linear, old: false, colored: true, pot: false };
+        let rules = Rules {
+            decode: Decode::File,
+            working: WorkingGamma::Linear,
+            old: false,
+            colored: true,
+            pot: false,
+            memory: MemoryLimit::default(),
+        };
         for bytes in [&b""[..], b"\x89PNG\r\n\x1a\n", b"GIF89a", b"BM", b"P6\n4 4\n255\nx", &[0x76, 0x2f, 0x31, 0x01, 0, 0]] {
             assert!(decode_image(bytes, rules).is_err());
         }

@@ -426,6 +426,7 @@ impl Parser<'_> {
             return Err(e);
         }
         self.check_scopes()?;
+        self.step()?;
         let Some(path) = self.world.find(name, &[".inc", ".INC"]) else {
             let mut e = self.error(format!("Cannot open include file {name}."));
             e.hints.push("the current folder and the library paths (+L, Library_Path, -L) are searched, not the scene's folder".into());
@@ -436,6 +437,7 @@ impl Parser<'_> {
             // Lexed before, and not rewritten since.
             Some((known, tokens)) if *known == bytes => tokens.clone(),
             _ => {
+                self.charge(bytes.len().saturating_mul(4))?;
                 let file = self.map.add(name, path.clone(), bytes.clone());
                 let tokens: Arc<[Token]> = crate::lang::lexer::lex(file, &bytes, false, &mut self.interner).0.into();
                 self.lexed.insert(path, (bytes, tokens.clone()));
@@ -484,6 +486,7 @@ impl Parser<'_> {
 
     fn message(&mut self, stream: Stream) -> PResult<()> {
         let text = self.parse_text()?;
+        self.charge(size_of::<(Stream, String)>() + text.len())?;
         self.write_text(stream, &clip(&text, 200, 156));
         Ok(())
     }
@@ -499,7 +502,7 @@ impl Parser<'_> {
                 if self.debug_line.len() >= 80 {
                     // A line too long is broken at its last blank, or where it is.
                     let line = std::mem::take(&mut self.debug_line);
-                    let at = line.rfind(' ').filter(|&i| i > 0).map_or(79, |i| i);
+                    let at = line.rfind(' ').filter(|&i| i > 0).unwrap_or_else(|| line.floor_char_boundary(79));
                     let (head, tail) = line.split_at(at);
                     self.output.push((stream, format!("{head}\n")));
                     self.debug_line = format!(" {}", tail.trim_start());

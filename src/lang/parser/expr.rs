@@ -409,6 +409,14 @@ impl Parser<'_> {
         Ok(self.parse_float()? as i64)
     }
 
+    /// A count of work that a scene asks for, refused beyond a limit (docs/limits.md) which no real scene comes near.
+    pub(super) fn at_most(&self, n: i64, limit: i64, what: &str) -> PResult<u32> {
+        if n > limit {
+            return Err(self.error(format!("{what} of {n} is more than the limit of {limit}.")));
+        }
+        Ok(n.max(0) as u32)
+    }
+
     /// An optional number, on when absent.
     pub(super) fn parse_switch(&mut self) -> PResult<bool> {
         Ok(if self.number_follows()? { self.parse_float()? > 0.0 } else { true })

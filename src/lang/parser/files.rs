@@ -68,6 +68,7 @@ impl Parser<'_> {
                 return Err(self.error(format!("Cannot open user file {file_name} (read).")));
             };
             let bytes = self.world.read_user_file(&path).map_err(|e| self.error(e.to_string()))?;
+            self.charge(bytes.len().saturating_mul(4))?;
             let file = self.map.add(file_name.as_str(), path.clone(), bytes.clone());
             let tokens = crate::lang::lexer::lex(file, &bytes, false, &mut self.interner).0;
             (path, Mode::Read { tokens: tokens.into(), at: 0 })

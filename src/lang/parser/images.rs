@@ -1,6 +1,6 @@
 //! Image files and images made of functions; height fields; density grids. Source: spec/language.md, section 8.1; spec/textures.md, section 7.
 
-use super::decode::{Decode, MAX_PIXELS, Rules, decode_image};
+use super::decode::{Decode, Rules, decode_image};
 use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
 use crate::lang::token::{Punct, TokenKind};
@@ -27,6 +27,9 @@ impl ImageCache {
         self.bump_size.take()
     }
 }
+
+/// Most pixels of an image that a function makes: each is a call.
+const MAX_FUNCTION_PIXELS: u64 = 1 << 26;
 
 /// Extensions tried for names without one, and the words for them.
 const EXTENSIONS: &[&str] = &[
@@ -224,7 +227,7 @@ impl Parser<'_> {
             return Ok(image.clone());
         }
         let bytes = self.world.read(&path).map_err(|e| self.error(e.to_string()))?;
-        let rules = Rules { decode, working: self.scene.settings.gamma, old, colored, pot };
+        let rules = Rules { decode, working: self.scene.settings.gamma, old, colored, pot, memory: self.options.memory };
         let image = decode_image(&bytes, rules).map_err(|e| self.error(format!("Cannot read image '{name}': {e}.")))?;
         let image = Arc::new(image);
         self.images.known.insert(key, image.clone());
@@ -236,8 +239,8 @@ impl Parser<'_> {
         self.comma()?;
         let h = self.parse_int()?;
         self.comma()?;
-        if w < 1 || h < 1 || (w as u64).saturating_mul(h as u64) > MAX_PIXELS {
-            return Err(self.error("Illegal size of a function image."));
+        if w < 1 || h < 1 || (w as u64).saturating_mul(h as u64) > MAX_FUNCTION_PIXELS {
+            return Err(self.error(format!("Illegal size of a function image (1 to {MAX_FUNCTION_PIXELS} pixels are possible).")));
         }
         let f = if let Some(Value::Function(f)) = self.peek_value()? {
             let f = f.clone();
@@ -246,6 +249,7 @@ impl Parser<'_> {
         } else {
             self.parse_function()?
         };
+        self.charge((w * h) as usize * size_of::<u16>())?;
         let mut pixels = Vec::with_capacity((w * h) as usize);
         let step = |i: i64, n: i64| if n > 1 { i as f64 / (n - 1) as f64 } else { 0.0 };
         for j in 0..h {

@@ -33,7 +33,7 @@ impl Parser<'_> {
                         if n < 2 {
                             return Err(p.error("Dispersion samples minimum is 2."));
                         }
-                        i.dispersion_samples = n.min(1024) as u32;
+                        i.dispersion_samples = p.at_most(n, 1024, "dispersion_samples")?;
                     }
                     Kw::Caustics => {
                         p.next()?;
@@ -91,7 +91,8 @@ impl Parser<'_> {
     }
 
     fn media_items(&mut self, m: &mut Media) -> PResult<()> {
-        const MOST: i64 = 1 << 20;
+        /// Samples of one ray in all intervals.
+        const MAX_SAMPLES: i64 = 1 << 20;
         loop {
             if let Some(t) = self.parse_transform()? {
                 m.transform(&t);
@@ -105,7 +106,8 @@ impl Parser<'_> {
                     if n < 1 {
                         return Err(self.error("At least one interval is needed in media."));
                     }
-                    m.intervals = n.min(MOST) as u32;
+                    m.intervals =
+                        self.at_most(n, MAX_SAMPLES / i64::from(m.samples.1.max(1)), "A number of media intervals (with their samples)")?;
                 }
                 Kw::Samples => {
                     self.next()?;
@@ -118,7 +120,8 @@ impl Parser<'_> {
                     if high < low {
                         return Err(self.error("Maximum number of samples per interval smaller than minimum number."));
                     }
-                    m.samples = (low.min(MOST) as u32, high.min(MOST) as u32);
+                    let most = MAX_SAMPLES / i64::from(m.intervals.max(1));
+                    m.samples = (low as u32, self.at_most(high, most, "A number of media samples (in their intervals)")?);
                 }
                 Kw::Method => {
                     self.next()?;
@@ -142,7 +145,7 @@ impl Parser<'_> {
                     if n < 1 {
                         return Err(self.error("aa_level in media must be at least one."));
                     }
-                    m.aa_level = n.min(30) as u32;
+                    m.aa_level = self.at_most(n, 30, "aa_level")?;
                 }
                 Kw::Collect => {
                     self.next()?;

@@ -45,6 +45,9 @@ impl Default for Beam {
     }
 }
 
+/// Most elements of an area light, in both directions together.
+const MAX_ELEMENTS: i64 = 1 << 20;
+
 impl Parser<'_> {
     /// `{ ... }` after `light_source`.
     pub(super) fn parse_light(&mut self) -> PResult<Light> {
@@ -212,8 +215,9 @@ impl Parser<'_> {
         if n1 < 1 || n2 < 1 {
             return Err(self.error("Area light must have at least one element on each axis."));
         }
-        let size = |n: i64| n.min(4096) as u32;
-        Ok(AreaLight { axis1, axis2, n1: size(n1), n2: size(n2), ..before })
+        let what = "A number of area light elements";
+        self.at_most(n1.saturating_mul(n2), MAX_ELEMENTS, what)?;
+        Ok(AreaLight { axis1, axis2, n1: n1 as u32, n2: n2 as u32, ..before })
     }
 
     fn area_item(&mut self, a: &mut AreaLight, is_area: bool, k: Kw) -> PResult<()> {

@@ -60,8 +60,8 @@ impl Parser<'_> {
         self.expect_closing()?;
         self.check_scopes()?;
         let mut scope = Scope::default();
-        for (&param, binding) in m.params.iter().zip(bindings) {
-            scope.insert(param, Entry { binding, deprecated: None });
+        for (&param, (binding, nesting)) in m.params.iter().zip(bindings) {
+            scope.insert(param, Entry { binding, deprecated: None, nesting });
         }
         self.symbols.scopes.push(scope);
         let n_conds = self.conds.len();
@@ -76,7 +76,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn macro_arguments(&mut self, m: &Macro, name: &str, bindings: &mut Vec<Binding>) -> PResult<()> {
+    fn macro_arguments(&mut self, m: &Macro, name: &str, bindings: &mut Vec<(Binding, u32)>) -> PResult<()> {
         while bindings.len() < m.params.len() {
             if self.closed_place(|p| p.at_punct(Punct::RParen))? {
                 return Err(self.error(format!(
@@ -92,7 +92,7 @@ impl Parser<'_> {
     }
 
     /// One argument: a lone name is passed by reference, anything else by value.
-    fn macro_argument(&mut self) -> PResult<Binding> {
+    fn macro_argument(&mut self) -> PResult<(Binding, u32)> {
         let n_conds = self.conds.len();
         let t = self.opened_start()?;
         if let TokenKind::Ident(name) = t.kind {
@@ -107,7 +107,7 @@ impl Parser<'_> {
                     if self.symbols.value_at(&place).is_none() {
                         return Err(self.error("Cannot pass uninitialized array element as macro parameter."));
                     }
-                    return Ok(Binding::Alias(place));
+                    return Ok((Binding::Alias(place), 0));
                 }
             } else if ends.is_some() {
                 self.next()?;
@@ -115,12 +115,13 @@ impl Parser<'_> {
                 return Err(self.error(format!("Cannot pass uninitialized identifier '{text}' as macro parameter to macro.")));
             }
         }
-        match self.parse_rvalue()? {
+        let (value, nesting) = self.measured(|p| p.parse_rvalue())?;
+        match value {
             Some(value) => {
                 if !matches!(value, Value::Num(_)) {
                     self.end_value_conditionals(n_conds)?;
                 }
-                Ok(Binding::Value(value))
+                Ok((Binding::Value(value), nesting))
             }
             None => self.expected("macro parameter"),
         }

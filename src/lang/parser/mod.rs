@@ -135,6 +135,10 @@ pub struct Parser<'a> {
     steps: u64,
     /// Nesting of blocks and parentheses.
     depth: usize,
+    /// Nesting of what was read since the innermost block began, values of names included.
+    reach: u32,
+    /// Bytes taken since memory was looked at.
+    charged: usize,
     /// Random streams of `seed()`.
     seeds: Vec<u32>,
     files: Vec<Option<files::UserFile>>,
@@ -155,6 +159,14 @@ pub struct Parser<'a> {
     /// What finishes inside textures say of the interior, by the finish's address.
     finish_extras: std::collections::HashMap<usize, (Arc<Finish>, super::value::FinishExtras)>,
 }
+
+/// Values that are made of earlier values of the same kind, again and again, are refused beyond this: they are walked, and dropped,
+/// by recursion.
+const MAX_REACH: u32 = 20_000;
+/// Memory is looked at each time this many bytes were taken.
+const CHARGE: usize = 16 << 20;
+/// What reading a token costs at most, in bytes, besides what is charged where it is taken.
+const TOKEN_COST: usize = 128;
 
 /// Blocks and parentheses nested deeper than this are refused, before the stack is in danger.
 const MAX_DEPTH: usize = 200;
@@ -187,6 +199,8 @@ impl<'a> Parser<'a> {
             last_span: nowhere,
             steps: 0,
             depth: 0,
+            reach: 0,
+            charged: 0,
             seeds: Vec::new(),
             files: Vec::new(),
             lexed: std::collections::HashMap::new(),
@@ -244,6 +258,7 @@ impl<'a> Parser<'a> {
     pub fn run(&mut self, name: &str, bytes: &[u8]) -> PResult<Scene> {
         let main = self.map.add(name, std::path::PathBuf::from(name), bytes.into());
         self.last_span = Span { file: main, lo: 0, hi: 0 };
+        self.charge(bytes.len().saturating_mul(4))?;
         let (tokens, utf8) = super::lexer::lex(main, bytes, true, &mut self.interner);
         self.utf8 = utf8;
         self.push_include(tokens.into(), None);

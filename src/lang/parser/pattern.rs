@@ -166,14 +166,19 @@ impl Parser<'_> {
     }
 
     fn mandel(&mut self, magnet: u8) -> PResult<FractalPattern> {
-        let iterations = self.parse_int()?.clamp(1, 1 << 24) as u32;
+        let iterations = self.iterations()?;
         Ok(FractalPattern { magnet, julia: None, iterations, exponent: 2, exterior: (1, 1.0), interior: (0, 1.0) })
+    }
+
+    fn iterations(&mut self) -> PResult<u32> {
+        let n = self.parse_int()?.max(1);
+        self.at_most(n, 1 << 20, "A number of iterations")
     }
 
     fn julia(&mut self, magnet: u8) -> PResult<FractalPattern> {
         let c = self.parse_vector2()?;
         self.comma()?;
-        let iterations = self.parse_int()?.clamp(1, 1 << 24) as u32;
+        let iterations = self.iterations()?;
         Ok(FractalPattern { magnet, julia: Some((c.x, c.y)), iterations, exponent: 2, exterior: (1, 1.0), interior: (0, 1.0) })
     }
 

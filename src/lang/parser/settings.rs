@@ -64,7 +64,7 @@ impl Parser<'_> {
                         if n < 1 {
                             p.warn("Illegal Value: number_of_waves must be at least 1. Changed to 1.");
                         }
-                        p.scene.settings.number_of_waves = n.clamp(1, 100_000) as u32;
+                        p.scene.settings.number_of_waves = p.at_most(n.max(1), 10_000, "number_of_waves")?;
                         p.noise_changed();
                     }
                     Kw::Charset => {

@@ -82,6 +82,10 @@ impl Parser<'_> {
         let t = self.peek()?;
         self.ahead = None;
         self.last_span = t.span;
+        self.charge(super::TOKEN_COST)?;
+        if let TokenKind::Ident(name) = t.kind {
+            self.reach = self.reach.max(self.symbols.nesting(name));
+        }
         if let TokenKind::Bad(message) = t.kind {
             let text = self.interner.text(message);
             return Err(self.error(text));
@@ -133,9 +137,21 @@ impl Parser<'_> {
             return Err(self.error(format!("Too many nested braces or parentheses (more than {}).", super::MAX_DEPTH)));
         }
         self.depth += 1;
+        let outer = std::mem::take(&mut self.reach);
         let result = f(self);
+        self.reach = outer.max(self.reach + 1);
         self.depth -= 1;
         result
+    }
+
+    /// Counts bytes that are about to be taken; looks now and then whether there are so many.
+    pub(super) fn charge(&mut self, bytes: usize) -> PResult<()> {
+        self.charged = self.charged.saturating_add(bytes);
+        if self.charged < super::CHARGE {
+            return Ok(());
+        }
+        let more = std::mem::take(&mut self.charged) as u64;
+        self.options.memory.allows(more).map_err(|e| self.error(format!("The scene does not fit: {e}.")))
     }
 
     /// Whether the next token is this word.

@@ -6,6 +6,9 @@ use crate::lang::token::{Punct, TokenKind};
 use crate::lang::value::Value;
 use std::sync::Arc;
 
+/// Longest string, in 16-bit units.
+const MAX_UNITS: usize = 1 << 24;
+
 /// Whether a word starts a string.
 pub(super) fn is_string_word(k: Kw) -> bool {
     matches!(k, Kw::Str | Kw::Vstr | Kw::Concat | Kw::Chr | Kw::Substr | Kw::Strupr | Kw::Strlwr | Kw::Datetime)
@@ -169,11 +172,12 @@ impl Parser<'_> {
                 loop {
                     self.comma()?;
                     if self.at_punct(Punct::RParen)? {
+                        self.charge(out.len() * size_of::<u16>())?;
                         return Ok(out.into());
                     }
                     out.extend_from_slice(&self.parse_string_units()?);
-                    if out.len() > 1 << 24 {
-                        return Err(self.error("String too long."));
+                    if out.len() > MAX_UNITS {
+                        return Err(self.error(format!("String too long (more than {MAX_UNITS} characters).")));
                     }
                 }
             }

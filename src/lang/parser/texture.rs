@@ -11,6 +11,8 @@ use std::sync::Arc;
 
 /// Most entries of a map.
 const MAX_ENTRIES: usize = 256;
+/// Most layers of a texture.
+const MAX_LAYERS: usize = 256;
 
 /// Colours of list patterns that are not given. Source: spec/textures.md, section 1.
 fn default_list_colors(kind: &PatternKind) -> Vec<Rgbft> {
@@ -821,6 +823,9 @@ impl Parser<'_> {
     pub(super) fn layer_texture(&mut self, below: Option<Arc<Texture>>, above: Arc<Texture>) -> PResult<Arc<Texture>> {
         let Some(below) = below else { return Ok(above) };
         match (&*below, &*above) {
+            (Texture::Layers(a), Texture::Layers(b)) if a.len() + b.len() > MAX_LAYERS => {
+                Err(self.error(format!("Too many layers of a texture (more than {MAX_LAYERS}).")))
+            }
             (Texture::Layers(a), Texture::Layers(b)) => Ok(Arc::new(Texture::Layers(a.iter().chain(b).cloned().collect()))),
             _ => Err(self.error("Cannot layer over a patterned texture.")),
         }

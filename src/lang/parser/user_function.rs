@@ -12,7 +12,16 @@ use std::sync::Arc;
 /// Names that an expression may use: parameters, then the indices of sums and products.
 struct Names {
     names: Vec<Variable>,
+    /// Operands so far.
+    n_nodes: usize,
+    /// [`Function::cost`] so far.
+    cost: u64,
 }
+
+/// Most operands of one function: they form a tree that is walked by recursion.
+const MAX_NODES: usize = 20_000;
+/// Most [`Function::cost`]: two calls in each of thirty functions, one inside the other, are a billion.
+const MAX_COST: u64 = 100_000_000;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Variable {
@@ -56,7 +65,7 @@ impl Parser<'_> {
         if names.is_empty() {
             names = default_names.iter().map(|&k| Variable::Word(k)).collect();
         }
-        self.block("function", |p| p.function_body(Names { names }, listed))
+        self.block("function", |p| p.function_body(Names { names, n_nodes: 0, cost: 0 }, listed))
     }
 
     /// `function {...}` or a function's name, where an object wants one.
@@ -75,7 +84,7 @@ impl Parser<'_> {
 
     fn function_body(&mut self, mut names: Names, listed: bool) -> PResult<Arc<Function>> {
         let n_params = names.names.len();
-        let make = |n_params, body| Ok(Arc::new(Function { name: String::new(), n_params, body }));
+        let make = |n_params, body| Ok(Arc::new(Function { name: String::new(), n_params, body, cost: 1 }));
         match self.peek_kw()? {
             Some(Kw::Internal) => {
                 self.next()?;
@@ -108,7 +117,7 @@ impl Parser<'_> {
             _ => {}
         }
         let expr = self.fn_or(&mut names)?;
-        make(n_params, FunctionBody::Expr(expr))
+        Ok(Arc::new(Function { name: String::new(), n_params, body: FunctionBody::Expr(expr), cost: names.cost }))
     }
 
     fn fn_binary(
@@ -179,6 +188,11 @@ impl Parser<'_> {
 
     fn fn_primary(&mut self, names: &mut Names) -> PResult<FnExpr> {
         let t = self.next()?;
+        names.n_nodes += 1;
+        names.cost += 1;
+        if names.n_nodes > MAX_NODES {
+            return Err(self.error(format!("Function too long (more than {MAX_NODES} operands).")));
+        }
         match t.kind {
             TokenKind::Float(x) => Ok(FnExpr::Const(x)),
             TokenKind::Punct(Punct::LParen) => {
@@ -197,7 +211,7 @@ impl Parser<'_> {
                         self.fn_user_call(f, names)
                     }
                     Some(Value::Spline(s)) => {
-                        let f = Arc::new(Function { name: String::new(), n_params: 1, body: FunctionBody::Spline(s.clone()) });
+                        let f = Arc::new(Function { name: String::new(), n_params: 1, body: FunctionBody::Spline(s.clone()), cost: 1 });
                         self.fn_user_call(f, names)
                     }
                     _ => {
@@ -256,6 +270,8 @@ impl Parser<'_> {
                 function.n_params
             )));
         }
+        names.cost = names.cost.saturating_add(function.cost);
+        self.check_cost(names)?;
         let mut member = 0;
         if self.accept(Punct::Dot)? {
             let t = self.next()?;
@@ -264,6 +280,15 @@ impl Parser<'_> {
             member = i as u8;
         }
         Ok(FnExpr::User { function, args, member })
+    }
+
+    fn check_cost(&self, names: &Names) -> PResult<()> {
+        if names.cost <= MAX_COST {
+            return Ok(());
+        }
+        Err(self.error(format!(
+            "Function takes too long (a call of it has more than {MAX_COST} operands, with those of the functions inside)."
+        )))
     }
 
     fn fn_series(&mut self, k: Kw, names: &mut Names) -> PResult<FnExpr> {
@@ -281,9 +306,15 @@ impl Parser<'_> {
         self.expect(Punct::Comma)?;
         let var = names.names.len() as u16;
         names.names.push(variable);
+        let before = names.cost;
         let body = self.fn_or(names);
         names.names.pop();
         let body = Box::new(body?);
+        if let (FnExpr::Const(a), FnExpr::Const(b)) = (&*from, &*to) {
+            let n_terms = (b - a + 1.0).max(1.0) as u64;
+            names.cost = before.saturating_add((names.cost - before).saturating_mul(n_terms));
+            self.check_cost(names)?;
+        }
         self.expect(Punct::RParen)?;
         Ok(if k == Kw::Sum { FnExpr::Sum { var, from, to, body } } else { FnExpr::Prod { var, from, to, body } })
     }
