@@ -199,18 +199,16 @@ fn digest(sink: &Sink, map: &SourceMap, extra: impl Hash) -> u64 {
 fn scene(bytes: &[u8], world: FuzzWorld) -> Answer {
     let (mut map, mut sink) = (SourceMap::default(), Sink::default());
     let world = FuzzWorld { own: bytes.into(), ..world };
-    let options = LangOptions {
-        width: 4,
-        height: 3,
-        max_steps: 20_000,
-        max_objects: 2000,
-        memory: MemoryLimit::bytes(2 << 30),
-        ..LangOptions::default()
-    };
+    let options = LangOptions { width: 4, height: 3, max_steps: 20_000, max_objects: 2000, memory: memory(), ..LangOptions::default() };
     let parsed = parse_scene("fuzz.pov", bytes, &world, &KernelQuery::new(), &options, &mut map, &mut sink);
     assert!(parsed.scene.is_some() != sink.has_errors(), "either a scene or an error");
     let drawn = parsed.scene.map(|s| draw(&s, &mut sink));
     Answer { digest: digest(&sink, &map, drawn), whole: drawn.flatten().is_some_and(|(_, whole)| whole) }
+}
+
+/// What a target may use: enough for any scene that is taken to its end here.
+fn memory() -> MemoryLimit {
+    MemoryLimit::bytes(1 << 30)
 }
 
 struct Silent;
@@ -220,7 +218,7 @@ impl Progress for Silent {
 
 /// Compiles and renders 4 by 3 pixels; whether it compiled and how much of it came.
 fn draw(scene: &Scene, sink: &mut Sink) -> Option<(usize, bool)> {
-    let compiled = compile_scene(scene, &CompileOptions::default(), sink).ok()?;
+    let compiled = compile_scene(scene, &CompileOptions { memory: memory(), ..CompileOptions::default() }, sink).ok()?;
     let settings = RenderSettings {
         width: 4,
         height: 3,

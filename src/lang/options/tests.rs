@@ -37,6 +37,16 @@ fn options(words: &[&str]) -> PovOptions {
     read(words, &[]).expect("options that POV-Ray takes")
 }
 
+fn frames_of(o: &PovOptions) -> Vec<Frame> {
+    frames(o).expect("a short animation")
+}
+
+#[test]
+fn an_animation_without_end_is_refused() {
+    assert!(matches!(frames(&options(&["+KFI1", "+KFF2147483647"])), Err(OptionError::TooManyFrames(1_000_000))));
+    assert_eq!(frames_of(&options(&["+KFI1", "+KFF2147483647", "+SF5", "+EF6"])).len(), 2);
+}
+
 #[test]
 fn switches_take_glued_values_in_any_case_and_with_either_sign() {
     let o = options(&["+Iscene.pov", "-w320", "+H240", "+Q7", "+wt3", "+FN16", "-UA", "+r5", "+AM2", "+BS8"]);
@@ -118,20 +128,20 @@ fn ini_files_that_include_each_other_end_with_an_error() {
 
 #[test]
 fn clocks_of_frames_are_povrays() {
-    let clocks = |words: &[&str]| frames(&options(words)).iter().map(|f| (f.number, f.clock)).collect::<Vec<_>>();
+    let clocks = |words: &[&str]| frames_of(&options(words)).iter().map(|f| (f.number, f.clock)).collect::<Vec<_>>();
     assert_eq!(clocks(&["+KFF3"]), [(1, 0.0), (2, 0.5), (3, 1.0)]);
     assert_eq!(clocks(&["+KFF5", "+KC"]).last(), Some(&(5, f64::from(0.8f32))));
-    assert_eq!(frames(&options(&["+KFF5", "+KC"]))[0].variables[2], 6.0, "final_frame of a cyclic run reads one more");
+    assert_eq!(frames_of(&options(&["+KFF5", "+KC"]))[0].variables[2], 6.0, "final_frame of a cyclic run reads one more");
     assert_eq!(clocks(&["+KFF4", "+SF0.5"]).first().map(|c| c.0), Some(2));
-    assert!(frames(&options(&["+KFF1"]))[0].clock.is_nan(), "POV-Ray divides by zero");
-    assert_eq!(frames(&options(&["+K0.5"])), [Frame { number: 0, clock: 0.5, clock_on: true, variables: [0.0; 6], digits: 0 }]);
+    assert!(frames_of(&options(&["+KFF1"]))[0].clock.is_nan(), "POV-Ray divides by zero");
+    assert_eq!(frames_of(&options(&["+K0.5"])), [Frame { number: 0, clock: 0.5, clock_on: true, variables: [0.0; 6], digits: 0 }]);
 }
 
 #[test]
 fn pictures_are_named_as_povray_names_them() {
     let name = |words: &[&str], input: &str| {
         let o = options(words);
-        match o.output_for(Path::new(input), &frames(&o)[0]) {
+        match o.output_for(Path::new(input), &frames_of(&o)[0]) {
             OutputName::File(p) => p.display().to_string(),
             other => format!("{other:?}"),
         }

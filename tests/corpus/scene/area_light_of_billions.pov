@@ -1,0 +1,1 @@
+camera { location -5*z } light_source { 5, 1 area_light x, y, 100000, 100000 } sphere { 0, 1 pigment { rgb 1 } }

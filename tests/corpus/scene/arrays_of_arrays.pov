@@ -1,0 +1,1 @@
+#declare A = array[1]; #declare A[0] = 1; #for (I, 1, 15000) #declare B = array[2]; #declare B[0] = A; #declare A = B; #end

@@ -1,0 +1,1 @@
+#declare F = function(x) { x } #declare I = 0; #while (I < 40) #declare G = function(x) { F(F(x) + F(x)) } #undef F #declare F = function(x) { G(x) + G(x) } #undef G #declare I = I + 1; #end #declare Q = F(1);

@@ -1,0 +1,1 @@
+camera { location -5*z } light_source { 5, 1 } quadric { (1/0), (1/0), (1/0), (1/0) }

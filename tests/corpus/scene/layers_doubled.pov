@@ -1,0 +1,1 @@
+#declare T = texture { pigment { rgbt 0.5 } } #while (1) #declare T = texture { T } texture { T } #end

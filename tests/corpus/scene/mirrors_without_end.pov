@@ -1,0 +1,1 @@
+global_settings { max_trace_level 256 adc_bailout 0 } camera { location 0 } light_source { 0, 1 } sphere { 0, 1 pigment { rgbt 1 } interior { ior 1.5 } finish { reflection 1 } } sphere { 0, 2 pigment { rgbt 1 } interior { ior 1.5 } finish { reflection 1 } }

@@ -1,0 +1,1 @@
+#declare A = sphere { 0, 1 } #for (I, 1, 15000) #declare A = union { object { A } object { A } } #end object { A }

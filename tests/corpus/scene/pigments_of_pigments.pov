@@ -1,0 +1,1 @@
+#declare P = pigment { rgb 1 } #for (I, 1, 15000) #declare P = pigment { checker pigment { P } pigment { P } } #end camera { location -3*z } sphere { 0, 1 pigment { P } }
