@@ -11,8 +11,13 @@ use rayloom::film::Film;
 use rayloom::integrate::{Antialias, IntegratorKind, RenderSettings};
 use rayloom::kernel::query::KernelQuery;
 use rayloom::lang::{LangOptions, parse_scene};
+use rayloom::math::{DVec3, Rgbft, Vec3};
+use rayloom::scene::light::{Fade, LightKind};
+use rayloom::scene::material::{AlphaMode, MaterialImage, MaterialTexture, Texels, Wrap};
+use rayloom::scene::{Interior, Light, Mesh, Object, Principled, Scene, Shape, Texture};
 use rayloom::world::DiskWorld;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// Share of pixels that must be near.
@@ -225,6 +230,62 @@ fn the_comparison_tells_different_pictures_apart() {
     assert_eq!(share_within(&grey, &changed), 0.99);
     assert!(share_within(&grey, &changed) < SHARE_WITHIN);
     assert_eq!(share_within(&grey, &Film::new(10, 20)), 0.0);
+}
+
+/// A square in z = 0 with corner colours and coordinates beyond its picture, and balls of glass, metal and half-clear stuff before it.
+fn imported_scene() -> CompiledScene {
+    let picture = MaterialImage { width: 2, height: 2, texels: Texels::Rgba8(vec![[255, 40, 40, 255], [40, 255, 40, 255], [40, 40, 255, 255], [250, 250, 250, 255]]) };
+    let texture = MaterialTexture {
+        image: Arc::new(picture),
+        srgb: true,
+        wrap: [Wrap::Repeat, Wrap::Mirror],
+        linear: true,
+        uv_transform: [[2.0, 0.0, 0.1], [0.0, 3.0, 0.0]],
+    };
+    let mesh = Mesh {
+        vertices: vec![Vec3::new(-3.0, -2.0, 1.0), Vec3::new(3.0, -2.0, 1.0), Vec3::new(3.0, 2.0, 1.5), Vec3::new(-3.0, 2.0, 1.5)],
+        uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        faces: vec![[0, 1, 2], [0, 2, 3]],
+        uv_indices: vec![[0, 1, 2], [0, 2, 3]],
+        colors: vec![[1.0; 4], [1.0, 0.6, 0.6, 1.0], [0.6, 1.0, 0.6, 1.0], [0.6, 0.6, 1.0, 1.0]],
+        ..Mesh::default()
+    };
+    let covered = |shape: Shape, m: Principled| {
+        let mut o = Object::new(shape);
+        o.texture = Some(Arc::new(Texture::Principled(Box::new(m))));
+        o
+    };
+    let ball = |x: f64, m: Principled| covered(Shape::Sphere { center: DVec3::new(x, 0.2 * x, -1.0), radius: 0.55 }, m);
+    let plain = Principled { roughness: 0.6, ..Principled::default() };
+    let mut glass = ball(-1.4, Principled { transmission: 1.0, roughness: 0.0, base_color: Vec3::new(0.9, 1.0, 0.9), ..plain.clone() });
+    glass.interior = Some(Arc::new(Interior { ior: 1.5, ..Interior::default() }));
+    let objects = vec![
+        covered(Shape::Mesh(Arc::new(mesh)), Principled { base_color_texture: Some(texture), ..plain.clone() }),
+        glass,
+        ball(0.0, Principled { metallic: 1.0, roughness: 0.25, base_color: Vec3::new(0.9, 0.7, 0.3), ..plain.clone() }),
+        ball(1.4, Principled { alpha: 0.4, alpha_mode: AlphaMode::Blend, emission: Vec3::new(0.05, 0.0, 0.1), ..plain }),
+    ];
+    let lamp = Light { fade: Fade::InverseSquare, ..Light::point(DVec3::new(2.0, 4.0, -4.0), Vec3::splat(60.0)) };
+    let sun = LightKind::Sun { direction: DVec3::new(0.5, -1.0, 0.8).normalize(), angle_rad: 0.0 };
+    let sun = Light { kind: sun, ..Light::point(DVec3::ZERO, Vec3::splat(0.8)) };
+    let mut scene = Scene { objects, lights: vec![lamp, sun], background: Rgbft::rgb(0.2, 0.25, 0.3), ..Scene::default() };
+    scene.camera.location = DVec3::new(0.0, 0.3, -6.0);
+    compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("compiles")
+}
+
+#[test]
+fn imported_materials_agree_with_the_cpus() {
+    let Some(gpu) = gpu() else { return };
+    let scene = imported_scene();
+    // Several samples a pixel, as imports are rendered.
+    let settings = RenderSettings { samples: 0..4, ..settings(None) };
+    let ours = render(&gpu, &scene, &settings).expect("renders");
+    let gold = render(&CpuBackend::new(2), &scene, &settings).expect("renders");
+    let share = share_within(&ours, &gold);
+    println!("imported materials: {:.2} % within {NEAR}/255", 100.0 * share);
+    save(&ours, "imported.gpu");
+    save(&gold, "imported.cpu");
+    assert!(share >= SHARE_WITHIN, "{:.2} % (see target/gpu)", 100.0 * share);
 }
 
 #[test]

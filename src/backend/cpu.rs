@@ -87,12 +87,12 @@ impl Backend for CpuBackend {
 }
 
 /// Whether a block holds all samples that are wanted of it.
-fn is_finished(film: &Film, [x0, y0, x1, y1]: Block, settings: &RenderSettings) -> bool {
+pub(super) fn is_finished(film: &Film, [x0, y0, x1, y1]: Block, settings: &RenderSettings) -> bool {
     let wanted = settings.samples.len().max(1) as u32;
     (y0..y1).all(|y| (x0..x1).all(|x| film.samples[film.index(x, y)] >= wanted))
 }
 
-fn clear(film: &mut Film, [x0, y0, x1, y1]: Block) {
+pub(super) fn clear(film: &mut Film, [x0, y0, x1, y1]: Block) {
     for y in y0..y1 {
         let row = film.index(x0, y)..film.index(x1 - 1, y) + 1;
         film.samples[row.clone()].fill(0);

@@ -2,6 +2,7 @@
 //! Twin of the bindings: `shaders/shared/bindings.wesl`.
 
 use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
+use super::material_buffers::{encode_materials, material_constants};
 use super::mesh_buffers::{Boxes, MeshWords, encode_meshes, kd_of};
 use super::shader::ShaderOptions;
 use super::support::{FanOut, KINDS, fan_out};
@@ -9,7 +10,7 @@ use super::texture_buffers::{TextureRoots, TextureWords, encode_textures};
 use crate::backend::BackendError;
 use crate::compile::geometry::{InsideStep, PrimKind, prim_flags};
 use crate::compile::{CompiledScene, NONE};
-use crate::integrate::classic::ScenePlan;
+use crate::integrate::classic::{Piece, SHARP_MIRROR, ScenePlan};
 use crate::kernel::light::SUN_DISTANCE;
 use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE};
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Vec3};
@@ -75,10 +76,14 @@ impl SceneBuffers {
     /// Encodes `scene` for a picture that `plan` was made for.
     pub fn new(scene: &CompiledScene, plan: &ScenePlan) -> Result<Self, BackendError> {
         let g = &scene.geometry;
-        let textures = encode_textures(&scene.textures, &TextureRoots::of_scene(scene), !plan.quality.normals)?;
+        let mut textures = encode_textures(&scene.textures, &TextureRoots::of_scene(scene), !plan.quality.normals)?;
         let mut words = vec![0];
         let meshes = encode_meshes(scene, &textures, &mut words)?;
         let mut params = scene_params(scene);
+        params.materials_at = encode_materials(&scene.textures.principled, &mut words, &mut textures.image_words);
+        let emitters: Vec<u32> = plan.emitters.iter().flat_map(emitter).collect();
+        params.n_emitters = plan.emitters.len() as u32;
+        params.emitters_at = append(&mut words, emitters);
         let transparency = g.prims.iter().any(|p| p.flags & prim_flags::TRANSPARENT != 0);
         if let Some(list) = &plan.camera_interiors {
             let list: Vec<u32> = list.iter().collect();
@@ -157,6 +162,8 @@ impl SceneBuffers {
             ("face_covers", face_covers),
             ("cutaway", cutaway > 0),
             ("bounded_by", g.prims.iter().any(|p| p.flags & prim_flags::BOUNDED != 0)),
+            ("principled", f.principled),
+            ("image_words", !self.textures.image_words.is_empty()),
         ];
         features.iter().for_each(|(name, holds)| o.feature_if(name, *holds));
         let covers = cutaway.max(if face_covers { 3 } else { 1 });
@@ -171,8 +178,11 @@ impl SceneBuffers {
             return Err(BackendError::Unsupported(format!("points that show {max_lit} layers of texture at once (at most {MAX_LIT})")));
         }
         let mirrors = if f.reflection { fan.deepest.max(1) } else { 0 };
-        self.max_children = fan.leaves.max(1) * covers * (mirrors + u32::from(self.transparency));
-        self.max_shadows = scene.lights.len() as u32;
+        let of_material = if f.principled { 3 } else { 0 };
+        self.max_children = fan.leaves.max(1) * covers * (mirrors + u32::from(self.transparency)).max(of_material);
+        // Layers share one ray a lamp, materials ask for their own.
+        let of_materials = if f.principled { fan.leaves * covers * (scene.lights.len() + plan.emitters.len()) as u32 } else { 0 };
+        self.max_shadows = scene.lights.len() as u32 + of_materials;
         let constants = [
             ("WORKGROUP", super::device::WORKGROUP),
             ("SCENE_STACK", scene_depth + 1),
@@ -219,6 +229,7 @@ impl SceneBuffers {
         for (code, name) in STEP_NAMES.iter().enumerate() {
             o.constant(name, code as u32);
         }
+        material_constants().into_iter().for_each(|(name, v)| o.constant(&name, v));
         let irid = scene.settings.irid_wavelength;
         let numbers = [
             ("MIN_DEPTH", MIN_DEPTH as f32),
@@ -227,6 +238,8 @@ impl SceneBuffers {
             ("MAX_DISTANCE", MAX_DISTANCE as f32),
             ("SUN_DISTANCE", SUN_DISTANCE as f32),
             ("BACKGROUND_DEPTH", crate::kernel::atmosphere::BACKGROUND_DEPTH as f32),
+            ("SHARP_MIRROR", SHARP_MIRROR.0),
+            ("SHARP_MIRROR_END", SHARP_MIRROR.1),
             ("IRID_RED", irid.x),
             ("IRID_GREEN", irid.y),
             ("IRID_BLUE", irid.z),
@@ -306,6 +319,15 @@ fn scene_params(scene: &CompiledScene) -> SceneParams {
         generator: u32::from(s.noise_generator),
         ..SceneParams::default()
     }
+}
+
+/// Balls have their radius in place of the area, negative.
+fn emitter(e: &crate::integrate::classic::EmitterPoint) -> Vec<u32> {
+    let (normal, size) = match e.shape {
+        Piece::Flat { normal, area } => (normal, area),
+        Piece::Ball { radius } => (DVec3::ZERO, -radius),
+    };
+    [&bits3(e.point)[..], &bits3(normal), &[(size as f32).to_bits()], &bits(e.radiance.to_array()), &[e.prim_ix]].concat()
 }
 
 fn encode_fogs(scene: &CompiledScene, words: &mut Vec<u32>) -> u32 {

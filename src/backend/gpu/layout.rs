@@ -46,7 +46,7 @@ shared! {
         fogs_at: u32,
         clip_steps_at: u32,
         clip_boxes_at: u32,
-        objects_at: u32,
+        materials_at: u32,
         emitters_at: u32,
         n_camera_interiors: u32,
         unbounded_at: u32,

@@ -76,7 +76,8 @@ pub(super) fn encode_meshes(scene: &CompiledScene, textures: &TextureWords, word
         let mut w = vec![0, 0, 0, first_face, m.faces.len() as u32];
         w.extend(bits(low));
         w.extend(bits(high));
-        w.extend([normals_at, uvs_at, covers_at, 0, u32::from(inside.is_some())]);
+        let colors_at = encode_colors(shape, &mut out.face_words);
+        w.extend([normals_at, uvs_at, covers_at, colors_at, u32::from(inside.is_some())]);
         w.extend(bits(inside.unwrap_or(DVec3::X).as_vec3().to_array()));
         out.places.push(append(words, w));
     }
@@ -135,4 +136,13 @@ fn encode_covers(shape: &MeshShape, textures: &TextureWords, words: &mut Vec<u32
     };
     let list = (0..m.faces.len()).flat_map(|face| m.face_textures.get(face).map_or([0; 3], |c| c.map(record)));
     append(words, list)
+}
+
+/// Three colours a face, with alpha.
+fn encode_colors(shape: &MeshShape, words: &mut Vec<u32>) -> u32 {
+    let m = &shape.mesh;
+    if m.colors.is_empty() {
+        return 0;
+    }
+    append(words, m.faces.iter().flatten().flat_map(|v| bits(m.colors.get(*v as usize).copied().unwrap_or([1.0; 4]))))
 }

@@ -7,6 +7,7 @@ mod buffers;
 mod camera;
 pub mod device;
 pub mod layout;
+mod material_buffers;
 mod mesh_buffers;
 mod modules;
 pub mod probe;
@@ -24,7 +25,7 @@ mod wavefront;
 
 pub use device::{Gpu, GpuOptions, list_devices};
 
-use super::cpu::add_samples;
+use super::cpu::{add_samples, clear, is_finished};
 use super::{Backend, BackendError, Progress};
 use crate::compile::CompiledScene;
 use crate::film::Film;
@@ -90,8 +91,8 @@ struct Picture<'p> {
 impl Picture<'_> {
     /// The same samples for every pixel: as many pixels at a time as the wavefront takes.
     fn render_pixels(&mut self) -> Result<(), BackendError> {
-        let [x0, y0, x1, y1] = self.settings.crop;
-        let pixels: Vec<(u32, u32)> = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))).collect();
+        let of_block = |[x0, y0, x1, y1]: Block| (y0..y1).flat_map(move |y| (x0..x1).map(move |x| (x, y)));
+        let pixels: Vec<(u32, u32)> = self.unfinished_blocks().into_iter().flat_map(of_block).collect();
         let n_samples = self.settings.samples.len().max(1) as u32;
         if n_samples == 1 {
             let join = self.settings.samples.start > 0;
@@ -126,7 +127,7 @@ impl Picture<'_> {
 
     /// Blocks that decide their samples by what the first ones show.
     fn render_blocks(&mut self, aa: &Antialias) -> Result<(), BackendError> {
-        let all = blocks(self.settings.crop, self.settings.block_size);
+        let all = self.unfinished_blocks();
         let side = self.settings.block_size.max(4) as usize + 1;
         for part in all.chunks((self.wavefront.max_samples as usize / (side * side)).max(1)) {
             let mut memos: Vec<BlockMemo> = part.iter().map(|b| BlockMemo::new(*b)).collect();
@@ -163,6 +164,19 @@ impl Picture<'_> {
         let nothing = [0.0, 0.0, 0.0, if self.settings.output_alpha { 1.0 } else { 0.0 }];
         starts.iter().zip(&mut found).filter(|(s, _)| s.shown == 0).for_each(|(_, f)| *f = nothing);
         Ok(Some(found))
+    }
+
+    /// Blocks that do not hold all their samples yet; what they hold is rendered anew, unless samples are to be joined.
+    fn unfinished_blocks(&mut self) -> Vec<Block> {
+        let mut all = blocks(self.settings.crop, self.settings.block_size);
+        let n_pixels = |list: &[Block]| list.iter().map(|[x0, y0, x1, y1]| ((x1 - x0) * (y1 - y0)) as usize).sum::<usize>();
+        let n = n_pixels(&all);
+        all.retain(|b| !is_finished(self.film, *b, self.settings));
+        if self.settings.samples.start == 0 {
+            all.iter().for_each(|b| clear(self.film, *b));
+        }
+        self.done = (n - n_pixels(&all)) as u64;
+        all
     }
 
     fn keep_block(&mut self, [x0, y0, x1, y1]: Block, pixels: &[Sample]) {

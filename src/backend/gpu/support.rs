@@ -46,7 +46,6 @@ fn first_obstacle(scene: &CompiledScene, settings: &RenderSettings) -> Option<St
         (f.subsurface, "subsurface light"),
         (f.crand, "crand"),
         (f.dispersion, "dispersion"),
-        (f.principled, "imported materials"),
         (scene.lights.iter().any(|l| l.light.area.is_some()), "area lights"),
         (scene.lights.iter().any(|l| l.light.radius > 0.0), "lights with a radius"),
         (scene.lights.iter().any(|l| l.projected_through != NONE), "lights that are projected through objects"),
@@ -54,7 +53,6 @@ fn first_obstacle(scene: &CompiledScene, settings: &RenderSettings) -> Option<St
         (scene.camera.blur.as_ref().is_some_and(|b| b.aperture != 0.0 && b.max_samples > 0), "focal blur"),
         (matches!(scene.camera.projection, Projection::Mesh { .. }), "mesh cameras"),
         (nested_bounds(scene), "bounded_by inside bounded_by"),
-        (scene.geometry.shapes.meshes.iter().any(|m| !m.mesh.colors.is_empty()), "vertex colours"),
     ];
     listed.iter().find(|(holds, _)| *holds).map(|(_, what)| (*what).to_owned())
 }

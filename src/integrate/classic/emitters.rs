@@ -19,8 +19,10 @@ const FEWEST_OF_ROUND: usize = 8;
 pub struct EmitterPoint {
     /// Its middle.
     pub point: DVec3,
-    shape: Piece,
-    radiance: Rgb,
+    /// What it stands for.
+    pub shape: Piece,
+    /// Of either side.
+    pub radiance: Rgb,
     /// Whose it is.
     pub prim_ix: u32,
 }
@@ -47,11 +49,19 @@ impl EmitterPoint {
 
 /// What a point stands for.
 #[derive(Clone, Copy, Debug)]
-enum Piece {
+pub enum Piece {
     /// A small flat piece with a unit normal; both sides shine.
-    Flat { normal: DVec3, area: f64 },
+    Flat {
+        /// Unit.
+        normal: DVec3,
+        /// In the world.
+        area: f64,
+    },
     /// A whole round body: a quarter of its surface is what is seen of it (Cauchy).
-    Ball { radius: f64 },
+    Ball {
+        /// Of a ball with its surface.
+        radius: f64,
+    },
 }
 
 struct Emitter {

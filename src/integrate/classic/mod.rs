@@ -21,7 +21,9 @@ mod sky;
 mod texturing;
 mod trace;
 
+pub use emitters::{EmitterPoint, Piece};
 pub use pixel::single_ray;
 pub use plan::ScenePlan;
+pub use principled::SHARP_MIRROR;
 pub use radiosity::RadiosityState;
 pub use trace::Tracer;

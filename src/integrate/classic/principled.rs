@@ -20,7 +20,7 @@ use crate::math::{DVec3, Ray, Rgb, Vec3};
 use std::f64::consts::PI;
 
 /// Up to this roughness mirrors are sharp; their sharp part is gone at the second one. Picked by feel.
-const SHARP_MIRROR: (f32, f32) = (0.1, 0.35);
+pub const SHARP_MIRROR: (f32, f32) = (0.1, 0.35);
 
 /// A material as light sees it at a hit.
 struct Lit<'l> {
