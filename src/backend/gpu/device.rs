@@ -7,6 +7,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Invocations of a workgroup, in every shader. Also in the shaders' text, as `WORKGROUP`.
 pub const WORKGROUP: u32 = 64;
 
+/// A binding must hold one element of its array, also where a scene has none: larger than any struct of `layout`.
+const MIN_BUFFER: u64 = 256;
+
 /// A device with its queue.
 pub struct Gpu {
     /// Makes things.
@@ -129,7 +132,7 @@ impl Gpu {
         if needed > limit { Err(BackendError::TooLarge { what: what.to_owned(), needed, limit }) } else { Ok(()) }
     }
 
-    /// A storage buffer that holds `bytes` (at least 16).
+    /// A storage buffer that holds `bytes` (at least `MIN_BUFFER`).
     pub fn storage_buffer(&self, what: &str, bytes: &[u8]) -> Result<wgpu::Buffer, BackendError> {
         let buffer = self.empty_buffer(what, bytes.len() as u64)?;
         if !bytes.is_empty() {
@@ -138,9 +141,9 @@ impl Gpu {
         Ok(buffer)
     }
 
-    /// A storage buffer of `size` bytes (at least 16) that can be copied from and to.
+    /// A storage buffer of `size` bytes (at least `MIN_BUFFER`) that can be copied from and to.
     pub fn empty_buffer(&self, what: &str, size: u64) -> Result<wgpu::Buffer, BackendError> {
-        let size = size.max(16).next_multiple_of(16);
+        let size = size.max(MIN_BUFFER).next_multiple_of(16);
         self.fits(what, size)?;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
