@@ -11,6 +11,7 @@ use crate::backend::BackendError;
 use crate::compile::geometry::{InsideStep, PrimKind, prim_flags};
 use crate::compile::{CompiledScene, NONE};
 use crate::integrate::classic::{Piece, SHARP_MIRROR, ScenePlan};
+use crate::kernel::inside::containing_interiors;
 use crate::kernel::light::SUN_DISTANCE;
 use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE};
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Vec3};
@@ -85,6 +86,14 @@ impl SceneBuffers {
         params.n_emitters = plan.emitters.len() as u32;
         params.emitters_at = append(&mut words, emitters);
         let transparency = g.prims.iter().any(|p| p.flags & prim_flags::TRANSPARENT != 0);
+        if plan.camera_interiors.is_none() && (transparency || !scene.fogs.is_empty()) {
+            // Every ray would have to look for itself.
+            let mut is_inside = false;
+            containing_interiors(scene, scene.camera.location, |_| is_inside = true);
+            if is_inside {
+                return Err(BackendError::Unsupported("cameras with moving eye points inside objects".into()));
+            }
+        }
         if let Some(list) = &plan.camera_interiors {
             let list: Vec<u32> = list.iter().collect();
             if list.len() > params.camera_interiors.len() {
