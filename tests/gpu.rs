@@ -234,7 +234,11 @@ fn the_comparison_tells_different_pictures_apart() {
 
 /// A square in z = 0 with corner colours and coordinates beyond its picture, and balls of glass, metal and half-clear stuff before it.
 fn imported_scene() -> CompiledScene {
-    let picture = MaterialImage { width: 2, height: 2, texels: Texels::Rgba8(vec![[255, 40, 40, 255], [40, 255, 40, 255], [40, 40, 255, 255], [250, 250, 250, 255]]) };
+    let picture = MaterialImage {
+        width: 2,
+        height: 2,
+        texels: Texels::Rgba8(vec![[255, 40, 40, 255], [40, 255, 40, 255], [40, 40, 255, 255], [250, 250, 250, 255]]),
+    };
     let texture = MaterialTexture {
         image: Arc::new(picture),
         srgb: true,
