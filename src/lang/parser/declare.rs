@@ -159,6 +159,7 @@ impl Parser<'_> {
         let t = self.opened_start()?;
         match t.kind {
             TokenKind::Ident(name) => {
+                self.note_reach(name);
                 let Some(value) = self.symbols.value(name) else { return Ok(None) };
                 match value {
                     Value::Num(_) | Value::Macro(_) => {}

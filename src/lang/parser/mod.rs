@@ -165,8 +165,8 @@ pub struct Parser<'a> {
 const MAX_REACH: u32 = 20_000;
 /// Memory is looked at each time this many bytes were taken.
 const CHARGE: usize = 16 << 20;
-/// What reading a token costs at most, in bytes, besides what is charged where it is taken.
-const TOKEN_COST: usize = 128;
+/// Bytes of what stands between braces, parentheses or the brackets of a vector, besides what is charged where it is taken.
+const NEST_COST: usize = 512;
 
 /// Blocks and parentheses nested deeper than this are refused, before the stack is in danger.
 const MAX_DEPTH: usize = 200;

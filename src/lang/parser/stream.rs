@@ -82,10 +82,6 @@ impl Parser<'_> {
         let t = self.peek()?;
         self.ahead = None;
         self.last_span = t.span;
-        self.charge(super::TOKEN_COST)?;
-        if let TokenKind::Ident(name) = t.kind {
-            self.reach = self.reach.max(self.symbols.nesting(name));
-        }
         if let TokenKind::Bad(message) = t.kind {
             let text = self.interner.text(message);
             return Err(self.error(text));
@@ -136,6 +132,7 @@ impl Parser<'_> {
         if self.depth >= super::MAX_DEPTH {
             return Err(self.error(format!("Too many nested braces or parentheses (more than {}).", super::MAX_DEPTH)));
         }
+        self.charge(super::NEST_COST)?;
         self.depth += 1;
         let outer = std::mem::take(&mut self.reach);
         let result = f(self);
@@ -239,6 +236,7 @@ impl Parser<'_> {
         match t.kind {
             TokenKind::Element => Ok(self.element.as_ref()),
             TokenKind::Ident(s) if matches!(self.symbols.value(s), Some(Value::Array(_))) && self.bracket_follows() => {
+                self.note_reach(s);
                 let mut place = self.symbols.resolve(s).expect("the name has a value");
                 self.next()?;
                 while matches!(self.symbols.value_at(&place), Some(Value::Array(_))) && self.bracket_follows() {
@@ -252,8 +250,18 @@ impl Parser<'_> {
                 self.ahead_is_open = true;
                 Ok(self.element.as_ref())
             }
-            TokenKind::Ident(s) => Ok(self.symbols.value(s)),
+            TokenKind::Ident(s) => {
+                self.note_reach(s);
+                Ok(self.symbols.value(s))
+            }
             _ => Ok(None),
+        }
+    }
+
+    /// What is being read holds the value of a name: it is nested at least as deep.
+    pub(super) fn note_reach(&mut self, name: Symbol) {
+        if !matches!(self.symbols.value(name), None | Some(Value::Num(_) | Value::Str(_) | Value::Macro(_))) {
+            self.reach = self.reach.max(self.symbols.nesting(name));
         }
     }
 

@@ -208,6 +208,7 @@ impl Parser<'_> {
                     Some(Value::Num(n)) if n.n == 1 => Ok(FnExpr::Const(n.v[0])),
                     Some(Value::Function(f)) => {
                         let f = f.clone();
+                        self.note_reach(s);
                         self.fn_user_call(f, names)
                     }
                     Some(Value::Spline(s)) => {
