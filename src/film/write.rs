@@ -61,7 +61,7 @@ pub(super) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), FilmError> {
     let target = path.canonicalize();
     let path = target.as_deref().unwrap_or(path);
     let mut file = beside(path).map_err(failed)?;
-    file.write_all(bytes).map_err(failed)?;
+    file.as_file_mut().write_all(bytes).map_err(failed)?;
     file.as_file().sync_all().map_err(failed)?;
     file.persist(path).map_err(|e| failed(e.error))?;
     Ok(())
@@ -79,7 +79,12 @@ fn beside(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
         let mode = path.metadata().map_or(0o666, |m| m.permissions().mode() & 0o777);
         builder.permissions(std::fs::Permissions::from_mode(mode));
     }
-    builder.tempfile_in(folder)
+    // The name of the passing file would say nothing to anyone.
+    let without_name = |e: std::io::Error| {
+        let text = e.to_string();
+        std::io::Error::new(e.kind(), text.split(" at path ").next().unwrap_or_default().to_owned())
+    };
+    builder.tempfile_in(folder).map_err(without_name)
 }
 
 /// Finds out before the first ray whether `path` can be written: its folder is there and takes files, it is no folder itself.

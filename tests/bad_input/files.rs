@@ -165,7 +165,6 @@ fn pictures_that_cannot_be_written_leave_the_old_ones() {
         Case("a full disk", full(), &[4], "old.png"),
         Case("a wrong scene", folder.run(&["render", "bad.pov", "-o", "old.png"]), &[3], ""),
         Case("a folder that is not there (povray)", folder.run(&["povray", "+Ia.pov", "+Onone/out.png"]), &[1], "none/out.png"),
-        Case("a full device (povray)", folder.run(&["povray", "+Ia.pov", "+O/dev/full", "-GA"]), &[0, 1], ""),
         Case(
             "statistics that cannot be written",
             folder.run(&["render", "a.pov", "-o", "new.png", "--size", "8x6", "--progress", "none", "--stats", "none/s.json"]),
