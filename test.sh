@@ -6,14 +6,16 @@ cd "$(dirname "$0")"
 left_out=()
 step() { printf '\n== %s\n' "$*"; "$@"; }
 
-# A Vulkan driver that runs on any machine (Mesa's lavapipe), for the GPU tests.
-if ! ls /usr/share/vulkan/icd.d/*.json >/dev/null 2>&1; then
-  if command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
-    echo "installing mesa-vulkan-drivers (lavapipe) for the GPU tests"
-    { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends mesa-vulkan-drivers libvulkan1; } >/dev/null 2>&1 || true
-  fi
-  ls /usr/share/vulkan/icd.d/*.json >/dev/null 2>&1 || left_out+=("GPU tests (no Vulkan driver; install mesa-vulkan-drivers)")
+# A Vulkan driver that runs on any machine (Mesa's lavapipe) for the GPU tests; POV-Ray's fonts for the text scene.
+has_vulkan() { ls /usr/share/vulkan/icd.d/*.json >/dev/null 2>&1; }
+has_fonts() { [ -d /usr/share/povray-3.7/include ]; }
+if { ! has_vulkan || ! has_fonts; } && command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
+  echo "installing mesa-vulkan-drivers (lavapipe) and povray-includes for the tests"
+  { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends mesa-vulkan-drivers libvulkan1 povray-includes; } >/dev/null 2>&1 || true
 fi
+# With a driver in place a test that finds no device is a failure, not a skip.
+if has_vulkan; then export RAYLOOM_REQUIRE_GPU=1; else left_out+=("GPU tests (no Vulkan driver; install mesa-vulkan-drivers)"); fi
+has_fonts || left_out+=("the text scene (no fonts of POV-Ray; install povray-includes)")
 
 if cargo fmt --version >/dev/null 2>&1; then step cargo fmt --check; else left_out+=("format check (no rustfmt)"); fi
 if cargo clippy --version >/dev/null 2>&1; then

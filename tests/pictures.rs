@@ -20,6 +20,14 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
+/// POV-Ray's fonts, which the text scene wants: Debian's povray-includes.
+const INCLUDES: &str = "/usr/share/povray-3.7/include";
+
+/// Whether a scene needs what is not installed here; `test.sh` installs it where it may.
+fn is_left_out(name: &str) -> bool {
+    name == "objects/text" && !Path::new(INCLUDES).is_dir()
+}
+
 fn scene_names() -> Vec<String> {
     let dir = root().join("tests/scenes");
     let mut names = Vec::new();
@@ -63,7 +71,20 @@ fn check(name: &str, out_dir: &Path) -> Result<f64, String> {
     let flat = name.replace('/', "-");
     let out = out_dir.join(format!("{flat}.png"));
     let run = Command::new(env!("CARGO_BIN_EXE_rayloom"))
-        .args(["povray", &format!("+I{name}.pov"), &format!("+O{}", out.display()), "+W128", "+H96", "+FN", "-D", "-P", "+WT1", "-A"])
+        .args([
+            "povray",
+            &format!("+I{name}.pov"),
+            &format!("+O{}", out.display()),
+            "+W128",
+            "+H96",
+            "+FN",
+            "-D",
+            "-P",
+            "+WT1",
+            "-A",
+            "Backend=cpu",
+        ])
+        .arg(format!("+L{INCLUDES}"))
         .args(options.split_whitespace())
         .current_dir(&scenes)
         .output()
@@ -86,8 +107,9 @@ fn check(name: &str, out_dir: &Path) -> Result<f64, String> {
 fn our_pictures_agree_with_povrays() {
     let out_dir = root().join("target/pictures");
     std::fs::create_dir_all(&out_dir).expect("a writable target folder");
-    let names = scene_names();
+    let (left_out, names): (Vec<String>, Vec<String>) = scene_names().into_iter().partition(|n| is_left_out(n));
     assert!(names.len() > 100, "only {} scenes found", names.len());
+    left_out.iter().for_each(|n| println!("left out: {n} (no {INCLUDES})"));
     let bad: Vec<String> = names
         .par_iter()
         .filter_map(|name| {
