@@ -70,7 +70,8 @@ pub fn rainbow_effect(
     color_map: impl Fn(&Rainbow, f64) -> Rgbft,
 ) -> Option<(Rgb, f32)> {
     let (mut sum, mut n, mut transmit) = (Vec3::ZERO, 0u32, 1.0f32);
-    for bow in bows {
+    // The last declared comes first: it draws its jitter first.
+    for bow in bows.iter().rev() {
         if bow.distance == 0.0 || bow.width_rad == 0.0 {
             continue;
         }

@@ -124,7 +124,8 @@ impl CameraModel {
             }
             Projection::Spherical { horizontal_rad, vertical_rad } => {
                 let about = |v: DVec3, axis: DVec3, angle: f64| glam::DQuat::from_axis_angle(axis, angle) * v;
-                from(about(about(self.direction, r, -b * vertical_rad), u, a * horizontal_rad), s)
+                let at = DVec2::new(a * horizontal_rad, b * vertical_rad);
+                from(about(about(self.direction, r, -at.y), u, at.x), at)
             }
             Projection::Cylinder { kind, angle_rad } => {
                 let (along_a, along_b) = (a * angle_rad, b * angle_rad);
@@ -156,8 +157,13 @@ impl CameraModel {
     }
 }
 
+/// From -90° at the bottom to 270°: where the range ends shows in the camera's normal (measured).
 fn polar_angle(p: DVec2, rho: f64) -> f64 {
-    if rho == 0.0 { 0.0 } else { p.y.atan2(p.x) }
+    if rho == 0.0 {
+        return 0.0;
+    }
+    let phi = p.y.atan2(p.x);
+    if p.x < 0.0 && phi < 0.0 { phi + 2.0 * PI } else { phi }
 }
 
 /// The direction at angle `theta` from the axis and angle `phi` about it.

@@ -39,12 +39,14 @@ pub fn light_ray(light: &Light, point: DVec3, offset: DVec3) -> LightRay {
 pub fn attenuation(light: &Light, shape: &LightBeam, point: DVec3, ray: &LightRay) -> f64 {
     let beam = match light.kind {
         LightKind::Point | LightKind::Sun { .. } => 1.0,
-        LightKind::Spot { radius_rad, tightness, .. } => {
+        LightKind::Spot { tightness, .. } => {
             let cos = -ray.dir.dot(shape.axis);
             if cos <= 0.0 || (light.parallel && ray.distance <= 0.0) {
                 return 0.0;
             }
-            let soft = if radius_rad > 0.0 { smoothstep(shape.cos_falloff, shape.cos_radius, cos) } else { 1.0 };
+            // The edge is soft between the two cosines, whichever is larger; a radius of 90° and more has none.
+            let is_edge = shape.cos_radius > 0.0 && cos < shape.cos_radius;
+            let soft = if is_edge { smoothstep(shape.cos_falloff, shape.cos_radius, cos) } else { 1.0 };
             if tightness == 0.0 || soft == 0.0 { soft } else { cos.powf(tightness) * soft }
         }
         LightKind::Cylinder { radius, falloff, tightness } => {

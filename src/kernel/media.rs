@@ -126,6 +126,7 @@ pub fn sample_intervals(
     if n_pieces == 1 {
         let n = if !pieces[0].lit && !has_density { 1 } else { wanted };
         cut(pieces[0], n, out);
+        add_missing_end(depth, out);
         return;
     }
     let weight = |p: &SampleInterval| if p.lit { rule.ratio } else { 1.0 - rule.ratio };
@@ -136,6 +137,18 @@ pub fn sample_intervals(
         let n = share.min((left + i + 1).saturating_sub(n_pieces)).max(1);
         left = left.saturating_sub(n);
         cut(*p, n, out);
+    }
+    add_missing_end(depth, out);
+}
+
+/// An interval for what rounding leaves at the end: next to nothing in length, but it draws random numbers (measured).
+fn add_missing_end(depth: f64, out: &mut Vec<SampleInterval>) {
+    let Some(last) = out.last() else { return };
+    let n = out.iter().rev().take_while(|i| i.length == last.length && i.lit == last.lit).count();
+    let first = out[out.len() - n];
+    let end = first.start + n as f64 * first.length;
+    if end < depth {
+        out.push(SampleInterval { lit: false, start: end, length: depth - end });
     }
 }
 

@@ -19,6 +19,9 @@ pub struct MeshCamera {
     raster: UvRaster,
 }
 
+/// Slack of barycentric weights at the edges of faces.
+const EDGE_SLACK: f64 = 1e-6;
+
 impl MeshCamera {
     /// From the scene's numbers; `location.z` is the distance of origins from their faces,
     /// a negative `direction.z` turns rays round. Objects that are no meshes are ignored.
@@ -111,7 +114,8 @@ impl MeshCamera {
             let area = e.perp_dot(f);
             let (wb, wc) = (d.perp_dot(f) / area, e.perp_dot(d) / area);
             let wa = 1.0 - wb - wc;
-            if !(wa >= 0.0 && wb >= 0.0 && wc >= 0.0) {
+            // Coordinates are single precision: without slack, points on shared edges would fall between both faces.
+            if !(wa >= -EDGE_SLACK && wb >= -EDGE_SLACK && wc >= -EDGE_SLACK) {
                 continue;
             }
             let [a, b, c] = face.map(|v| mesh.vertices[v as usize].as_dvec3());

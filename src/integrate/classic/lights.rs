@@ -98,7 +98,7 @@ impl Tracer<'_> {
         let axes = area_axes(a, way.dir);
         for v in 0..a.n2 {
             for u in 0..a.n1 {
-                let offset = area_offset(a, axes, self.area_place(u, a.jitter, a.n1), self.area_place(v, a.jitter, a.n2));
+                let offset = area_offset(a, axes, self.area_place(u, a.jitter), self.area_place(v, a.jitter));
                 let way = light_ray(light, point, offset);
                 let color = share * attenuation(light, &compiled.beam, point, &way) as f32;
                 let mut behind = false;
@@ -115,9 +115,9 @@ impl Tracer<'_> {
     }
 
     /// Grid index of an area light, moved by up to half a cell when jittered.
-    pub(super) fn area_place(&mut self, index: u32, jitter: bool, n: u32) -> f64 {
+    pub(super) fn area_place(&mut self, index: u32, jitter: bool) -> f64 {
         let place = f64::from(index);
-        if jitter && n > 1 { place + self.random.draw() - 0.5 } else { place }
+        if jitter { place + self.random.draw() - 0.5 } else { place }
     }
 
     /// What a layer gives back of light of a colour from a direction.

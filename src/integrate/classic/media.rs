@@ -40,7 +40,7 @@ struct LitPiece {
 
 /// What a sample or an interval adds: light, and depth of extinction.
 #[derive(Clone, Copy, Default)]
-struct Gathered {
+pub(super) struct Gathered {
     light: Rgb,
     depth: Rgb,
 }
@@ -64,6 +64,8 @@ struct MediaRay<'m> {
     aa_threshold: f32,
     jitter: f64,
     method: u8,
+    /// Only extinction counts: samples have no light.
+    is_shadow: bool,
 }
 
 impl Tracer<'_> {
@@ -134,6 +136,10 @@ impl Tracer<'_> {
     ) -> Gathered {
         let scene = self.scene;
         let table = &scene.media;
+        // Shadow rays through light alone are not even sampled (measured: they draw no random numbers).
+        if is_shadow && media.iter().all(|m| is_dark(extinction(&table[m as usize].params))) {
+            return Gathered::default();
+        }
         // Of equal ones the first; max_by would give the last.
         let rule_ix = media.iter().fold(media.get(0), |best, m| {
             if table[m as usize].params.intervals > table[best as usize].params.intervals { m } else { best }
@@ -159,6 +165,7 @@ impl Tracer<'_> {
             aa_threshold: media.iter().map(|m| table[m as usize].params.aa_threshold).fold(f64::INFINITY, f64::min) as f32,
             jitter: rule.jitter,
             method: if is_shadow && constant { 1 } else { rule.method },
+            is_shadow,
         };
         let mut total = Gathered::default();
         for interval in &s.intervals {
@@ -244,25 +251,32 @@ impl Tracer<'_> {
     fn adaptive_interval(&mut self, call: &MediaRay, i: &SampleInterval, samples: u32, aa_level: u32) -> Gathered {
         let m = (samples.min(MAX_INTERVAL_SAMPLES) / 2 + 1).max(2);
         let step = 1.0 / f64::from(m + 1);
-        let mut sum = Gathered::default();
-        let (mut q_last, mut last) = (0.0, Gathered::default());
+        // All regular places first, then the refinements between them: random numbers are drawn in that order.
+        let slot = usize::from(call.is_shadow);
+        let mut regular = std::mem::take(&mut self.media_regular[slot]);
+        regular.clear();
         for j in 0..=m {
             let q = f64::from(j) * step + step * call.jitter * (self.media_random.draw() - 0.5);
-            let here = self.media_sample(call, i, q);
-            if j > 0 {
-                let r = self.refined(call, i, (q_last, last), (q, here), aa_level.min(20) as i32 - 1);
-                sum.light += r.light * (-sum.depth / m as f32).exp();
-                sum.depth += r.depth;
-            }
-            (q_last, last) = (q, here);
+            let sample = self.media_sample(call, i, q);
+            regular.push(sample);
         }
+        let at = |k: usize| (k as f64 * step, regular[k]);
+        let mut sum = Gathered::default();
+        for j in 1..=m as usize {
+            let r = self.refined(call, i, at(j - 1), at(j), aa_level.min(20) as i32 - 1);
+            sum.light += r.light * (-sum.depth / m as f32).exp();
+            sum.depth += r.depth;
+        }
+        self.media_regular[slot] = regular;
         sum.scaled(1.0 / m as f32)
     }
 
     /// The mean between two samples.
     fn refined(&mut self, call: &MediaRay, i: &SampleInterval, a: (f64, Gathered), c: (f64, Gathered), level: i32) -> Gathered {
-        let q = 0.5 * (a.0 + c.0) + call.jitter * (c.0 - a.0) * (self.media_random.draw() - 0.5);
-        let b = (q, self.media_sample(call, i, q));
+        // Places stay regular for what follows; only the sample itself is jittered.
+        let q = 0.5 * (a.0 + c.0);
+        let jittered = q + call.jitter * (c.0 - a.0) * (self.media_random.draw() - 0.5);
+        let b = (q, self.media_sample(call, i, jittered));
         if level <= 0 {
             return a.1.plus(b.1).plus(c.1).scaled(1.0 / 3.0);
         }
@@ -290,7 +304,9 @@ impl Tracer<'_> {
             let medium = &scene.media[ix as usize];
             let density = self.density(ix, point, call.ray.dir);
             ext += density * extinction(&medium.params);
-            light += density * medium.params.emission;
+            if !call.is_shadow {
+                light += density * medium.params.emission;
+            }
             scattering += density * medium.params.scattering;
         }
         if i.lit && !is_dark(scattering) {

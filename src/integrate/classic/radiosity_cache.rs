@@ -170,7 +170,8 @@ fn reuse_weight(s: &RadiositySample, q: &Query) -> f64 {
     }
     let far = d > 1e-6;
     let mut reach = s.reach;
-    if far {
+    // A sample that met no surface at all has no near side; rounding must not make one.
+    if far && s.nearest.is_finite() {
         let c = v.dot(s.to_nearest) / d;
         if c > 0.0 {
             reach = c * s.nearest + (1.0 - c) * s.reach;

@@ -203,7 +203,7 @@ impl Tracer<'_> {
         if let Some(c) = grid.points[place] {
             return c;
         }
-        let (ju, jv) = (self.area_place(u, grid.area.jitter, grid.area.n1), self.area_place(v, grid.area.jitter, grid.area.n2));
+        let (ju, jv) = (self.area_place(u, grid.area.jitter), self.area_place(v, grid.area.jitter));
         let offset = area_offset(grid.area, grid.axes, ju, jv);
         let way = light_ray(&self.scene.lights[grid.light_ix as usize].light, grid.point, offset);
         let c = self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color);

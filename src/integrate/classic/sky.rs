@@ -13,7 +13,7 @@ use crate::math::{DVec2, DVec3, Rgbft, Vec3};
 impl Tracer<'_> {
     /// The sky in the direction of `r`.
     pub(super) fn sky(&self, r: &TraceRay) -> Seen {
-        let background = self.scene.background;
+        let background = self.background();
         let see_through = self.plan.output_alpha && !r.reflected && !r.gathers;
         let (rgb, transmit) = match &self.scene.sky {
             None => {
@@ -24,6 +24,12 @@ impl Tracer<'_> {
             Some(sky) => self.old_sky(sky, r, see_through),
         };
         Seen { rgb, transmit, depth: f64::INFINITY }
+    }
+
+    /// The background as rays see it: language 3.7 darkens a transparent one when the picture has no alpha channel (measured).
+    fn background(&self) -> Rgbft {
+        let b = self.scene.background;
+        if self.plan.modern && !self.plan.output_alpha { Rgbft { rgb: b.rgb * (1.0 - b.transmit), ..b } } else { b }
     }
 
     /// Pigments of the sky from the top to the bottom.
@@ -41,7 +47,7 @@ impl Tracer<'_> {
             layers.rgb += c.rgb * c.opacity() * layers.factor * sky.emission;
             layers.factor *= c.transmittance();
         }
-        layers.over_background(self.scene.background)
+        layers.over_background(self.background())
     }
 
     /// Before 3.7: filter and transmit run through the layers apart from each other.

@@ -23,6 +23,10 @@ struct Items {
     confidence: f64,
     variance: f64,
     transform: Option<Transform>,
+    /// `right` or `up` was given, `angle` was given, and what `look_at` named: kept where the items themselves are used up.
+    sized: bool,
+    angled: bool,
+    target: Option<DVec3>,
 }
 
 impl Parser<'_> {
@@ -113,6 +117,9 @@ impl Parser<'_> {
 
     fn camera_items(&mut self, camera: &mut Camera, items: &mut Items) -> PResult<()> {
         loop {
+            if self.version < 350 {
+                self.use_up(camera, items)?;
+            }
             if let Some(t) = self.parse_transform()? {
                 items.transform = Some(items.transform.unwrap_or_default().then(&t));
                 continue;
@@ -137,6 +144,7 @@ impl Parser<'_> {
                         return Err(self.error("Viewing angle has to be smaller than 180 degrees."));
                     }
                     items.angle = Some((first, second));
+                    items.angled = true;
                 }
                 Kw::Location => {
                     self.next()?;
@@ -149,10 +157,12 @@ impl Parser<'_> {
                 Kw::Up => {
                     self.next()?;
                     items.up = Some(self.parse_vector3()?);
+                    items.sized = true;
                 }
                 Kw::Right => {
                     self.next()?;
                     items.right = Some(self.parse_vector3()?);
+                    items.sized = true;
                 }
                 Kw::Sky => {
                     self.next()?;
@@ -161,6 +171,7 @@ impl Parser<'_> {
                 Kw::LookAt => {
                     self.next()?;
                     items.look_at = Some(self.parse_vector3()?);
+                    items.target = items.look_at;
                 }
                 Kw::FocalPoint => {
                     self.next()?;
@@ -228,57 +239,80 @@ impl Parser<'_> {
         }
     }
 
+    /// Before language 3.5 each item acts where it is written (measured): `sky` and `direction` after `look_at` are too late for it.
+    fn use_up(&mut self, c: &mut Camera, items: &mut Items) -> PResult<()> {
+        c.right = items.right.take().unwrap_or(c.right);
+        c.up = items.up.take().unwrap_or(c.up);
+        c.direction = items.direction.take().unwrap_or(c.direction);
+        c.location = items.location.take().unwrap_or(c.location);
+        if let Some(angle) = items.angle.take() {
+            self.apply_angle(c, angle)?;
+        }
+        if let Some(target) = items.look_at.take() {
+            self.look_at(c, target, items.sky.unwrap_or(DVec3::Y))?;
+        }
+        if let Some(t) = items.transform.take() {
+            c.transform(&t);
+        }
+        Ok(())
+    }
+
+    /// Sets the viewing angle: the direction's length, or the projection's own.
+    fn apply_angle(&mut self, c: &mut Camera, (degrees, second): (f64, Option<f64>)) -> PResult<()> {
+        let angle = degrees.to_radians();
+        match &mut c.projection {
+            Projection::Perspective | Projection::Orthographic if degrees > 0.0 => {
+                if c.direction.length() < EPSILON {
+                    return Err(self.error("Camera direction vector must not be zero-length."));
+                }
+                c.direction = c.direction.normalize() * c.right.length() / (2.0 * (angle / 2.0).tan());
+            }
+            Projection::Fisheye { angle_rad } | Projection::UltraWideAngle { angle_rad } | Projection::Cylinder { angle_rad, .. } => {
+                *angle_rad = angle;
+            }
+            Projection::Spherical { horizontal_rad, vertical_rad } => {
+                *horizontal_rad = angle;
+                *vertical_rad = second.map_or(angle / 2.0, f64::to_radians);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
     fn resolve_camera(&mut self, mut c: Camera, items: Items) -> PResult<Camera> {
-        let given = (items.right.is_some() || items.up.is_some(), items.angle.is_some());
         c.right = items.right.unwrap_or(c.right);
         c.direction = items.direction.unwrap_or(c.direction);
-        let mut focal_default = None;
-        if let Some((degrees, second)) = items.angle {
-            let angle = degrees.to_radians();
-            match &mut c.projection {
-                Projection::Perspective | Projection::Orthographic if degrees > 0.0 => {
-                    if c.direction.length() < EPSILON {
-                        return Err(self.error("Camera direction vector must not be zero-length."));
-                    }
-                    c.direction = c.direction.normalize() * c.right.length() / (2.0 * (angle / 2.0).tan());
-                    focal_default = Some(c.direction.length());
-                }
-                Projection::Fisheye { angle_rad } | Projection::UltraWideAngle { angle_rad } | Projection::Cylinder { angle_rad, .. } => {
-                    *angle_rad = angle;
-                }
-                Projection::Spherical { horizontal_rad, vertical_rad } => {
-                    *horizontal_rad = angle;
-                    *vertical_rad = second.map_or(angle / 2.0, f64::to_radians);
-                }
-                _ => {}
-            }
+        if let Some(angle) = items.angle {
+            self.apply_angle(&mut c, angle)?;
         }
         c.up = items.up.unwrap_or(c.up);
         let sky = items.sky.unwrap_or(DVec3::Y);
         c.location = items.location.unwrap_or(c.location);
         if let Some(target) = items.look_at {
             self.look_at(&mut c, target, sky)?;
-            focal_default = Some(c.direction.length());
         }
         if !(c.direction.is_finite() && c.right.is_finite() && c.up.is_finite() && c.location.is_finite()) {
             return Err(self.error("Camera vectors must be finite."));
         }
-        if matches!(c.projection, Projection::Orthographic) && (!given.0 || given.1) {
-            let factor = (items.look_at.unwrap_or(DVec3::Z) - c.location).length() / c.direction.length();
+        if matches!(c.projection, Projection::Orthographic) && (!items.sized || items.angled) {
+            let factor = (items.target.unwrap_or(DVec3::Z) - c.location).length() / c.direction.length();
             if factor > EPSILON {
                 c.right *= factor;
                 c.up *= factor;
             }
         }
+        let is_flat = matches!(c.projection, Projection::Perspective | Projection::Orthographic);
         let bokeh = c.blur.take().and_then(|b| b.bokeh);
         if items.aperture != 0.0 && items.samples.1 > 0 {
             let distance = match items.focal_point {
                 Some(p) => (p - c.location).length(),
-                None => focal_default.unwrap_or(1.0),
+                // The length that an angle or look_at left, and 1 where nothing touched the direction.
+                None if items.angled && is_flat || items.target.is_some() => c.direction.length(),
+                None => 1.0,
             };
             c.blur = Some(Blur {
                 aperture: items.aperture,
-                focal_distance: distance / c.direction.length(),
+                focal_distance: distance,
                 min_samples: items.samples.0,
                 max_samples: items.samples.1,
                 confidence: items.confidence,

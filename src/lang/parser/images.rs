@@ -5,7 +5,7 @@ use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
 use crate::lang::token::{Punct, TokenKind};
 use crate::lang::value::Value;
-use crate::math::Rgbft;
+use crate::math::{Rgbft, Vec3};
 use crate::scene::image::{Interpolation, MapType, Pixels};
 use crate::scene::pattern::DensityGrid;
 use crate::scene::shape::HeightGrid;
@@ -249,20 +249,29 @@ impl Parser<'_> {
         } else {
             self.parse_function()?
         };
-        self.charge((w * h) as usize * size_of::<u16>())?;
-        let mut pixels = Vec::with_capacity((w * h) as usize);
+        // Colours take most.
+        self.charge((w * h) as usize * size_of::<Rgbft>())?;
         let step = |i: i64, n: i64| if n > 1 { i as f64 / (n - 1) as f64 } else { 0.0 };
+        let quantised = |v: f64| (v.clamp(0.0, 1.0) * 65_535.0) as u16;
+        let (mut greys, mut colors) = (Vec::new(), Vec::new());
         for j in 0..h {
             for i in 0..w {
-                let (v, _) = self.query.call(&f, &[step(i, w), step(j, h), 0.0]);
-                pixels.push((v[0].clamp(0.0, 1.0) * 65_535.0) as u16);
+                let (v, n) = self.query.call(&f, &[step(i, w), step(j, h), 0.0]);
+                if n < 5 {
+                    greys.push(quantised(v[0]));
+                } else {
+                    // A pigment gives colour and transmit; its filter is lost.
+                    let [r, g, b, t] = [v[0], v[1], v[2], v[4]].map(|v| f32::from(quantised(v)) / 65_535.0);
+                    colors.push(Rgbft { rgb: Vec3::new(r, g, b), filter: 0.0, transmit: t });
+                }
             }
         }
+        let has_alpha = colors.iter().any(|c| c.transmit > 0.0);
         Ok(Arc::new(Image {
             width: w as u32,
             height: h as u32,
-            pixels: Pixels::Gray16(pixels),
-            has_alpha: false,
+            pixels: if greys.is_empty() { Pixels::Color(colors) } else { Pixels::Gray16(greys) },
+            has_alpha,
             deep: true,
             raw_rg: Vec::new(),
         }))

@@ -37,7 +37,8 @@ impl Parser<'_> {
                     }
                     Kw::Caustics => {
                         p.next()?;
-                        i.caustics = p.parse_float()?;
+                        // The keyword gives strength; the exponent is 45 times that (measured).
+                        i.caustics = 45.0 * p.parse_float()?;
                     }
                     Kw::FadeColor => {
                         p.next()?;

@@ -164,12 +164,18 @@ impl Parser<'_> {
                     if light.looks_like.is_some() {
                         return Err(self.error("Only one looks_like allowed per light_source."));
                     }
-                    let mut object = self.object_and_modifiers("looks_like")?;
+                    // The block's own modifiers act on the object where the light is.
+                    let location = light.location;
+                    let mut object = self.block("looks_like", |p| {
+                        let mut object = p.need_object()?;
+                        object.apply_transform(&Transform::translation(location));
+                        p.object_modifiers(&mut object)?;
+                        Ok(object)
+                    })?;
                     if object.texture.is_none() {
                         object.texture = Some(self.defaults.texture());
                     }
                     object.flags.no_shadow = Some(true);
-                    object.apply_transform(&Transform::translation(light.location));
                     light.looks_like = Some(Box::new(object));
                 }
                 Kw::ProjectedThrough => {

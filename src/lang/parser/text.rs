@@ -6,7 +6,7 @@ use crate::math::{DVec2, DVec3, Transform};
 use crate::scene::shape::Glyph;
 use crate::scene::{Object, Shape};
 use std::sync::Arc;
-use ttf_parser::{Face, GlyphId, OutlineBuilder, PlatformId};
+use ttf_parser::{Face, GlyphId, OutlineBuilder, PlatformId, kern};
 
 impl Parser<'_> {
     pub(super) fn parse_text_object(&mut self) -> PResult<Object> {
@@ -102,8 +102,13 @@ fn lay_out(face: &Face, text: &[u16], offset: DVec3, ascii: bool) -> (Vec<Glyph>
 }
 
 fn kerning(face: &Face, left: GlyphId, right: GlyphId) -> i16 {
-    let Some(kern) = face.tables().kern else { return 0 };
-    kern.subtables.into_iter().filter(|t| t.horizontal).find_map(|t| t.glyphs_kerning(left, right)).unwrap_or(0)
+    let Some(table) = face.tables().kern else { return 0 };
+    // Fonts that POV-Ray brings have unsorted pairs, which a binary search would miss.
+    let pair = |table: kern::Subtable| match table.format {
+        kern::Format::Format0(pairs) => pairs.pairs.into_iter().find(|p| p.left() == left && p.right() == right).map(|p| p.value),
+        _ => table.glyphs_kerning(left, right),
+    };
+    table.subtables.into_iter().filter(|t| t.horizontal).find_map(pair).unwrap_or(0)
 }
 
 fn outline(face: &Face, id: GlyphId, scale: f64) -> Vec<Vec<[DVec2; 3]>> {

@@ -826,9 +826,31 @@ impl Parser<'_> {
             (Texture::Layers(a), Texture::Layers(b)) if a.len() + b.len() > MAX_LAYERS => {
                 Err(self.error(format!("Too many layers of a texture (more than {MAX_LAYERS}).")))
             }
-            (Texture::Layers(a), Texture::Layers(b)) => Ok(Arc::new(Texture::Layers(a.iter().chain(b).cloned().collect()))),
+            (Texture::Layers(a), Texture::Layers(b)) => {
+                let mut layers = a.clone();
+                layers.extend(b.iter().cloned().map(|mut layer| {
+                    if self.version < 320 {
+                        filter_as_transmit(Arc::make_mut(&mut layer.pigment));
+                    }
+                    layer
+                }));
+                Ok(Arc::new(Texture::Layers(layers)))
+            }
             _ => Err(self.error("Cannot layer over a patterned texture.")),
         }
+    }
+}
+
+/// Language 3.1 and older: what upper layers would filter they let through unfiltered (measured).
+fn filter_as_transmit(p: &mut Pigment) {
+    let change = |c: &mut Rgbft| (c.filter, c.transmit) = (0.0, c.filter + c.transmit);
+    match &mut p.kind {
+        PigmentKind::Solid(c) => change(c),
+        PigmentKind::ColorMap(map) => Arc::make_mut(map).entries.iter_mut().for_each(|(_, c)| change(c)),
+        PigmentKind::PigmentMap(map) | PigmentKind::Average(map) => {
+            Arc::make_mut(map).entries.iter_mut().for_each(|(_, p)| filter_as_transmit(p));
+        }
+        PigmentKind::DefaultMap | PigmentKind::ImageMap(_) => {}
     }
 }
 

@@ -1,0 +1,7 @@
+// Before language 3.5 the items of a camera act in the order of writing.
+#version 3.1;
+global_settings { assumed_gamma 1.0 }
+camera { location <1.6, 2.0, -4.2> right 4/3*x look_at <0, 0.1, 0> sky <0.3, 1, 0> angle 42 }
+plane { y, -1 pigment { checker rgb <0.85, 0.82, 0.75>, rgb <0.35, 0.4, 0.45> } finish { ambient 0.1 diffuse 0.7 } }
+light_source { <3, 5, -3> rgb 1 }
+sphere { 0, 0.7 pigment { rgb <0.8, 0.25, 0.2> } finish { phong 0.6 phong_size 60 } }

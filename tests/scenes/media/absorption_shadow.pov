@@ -1,0 +1,7 @@
+// Shadow rays do not refine their samples for the light that media give off.
+#version 3.7;
+global_settings { assumed_gamma 1.0 }
+camera { location <1.6, 2.0, -4.2> look_at <0, 0.1, 0> angle 42 right 4/3*x }
+plane { y, -1 pigment { checker rgb <0.85, 0.82, 0.75>, rgb <0.35, 0.4, 0.45> } finish { ambient 0.1 diffuse 0.7 } }
+light_source { <3, 5, -3> rgb 1 }
+sphere { 0, 1 hollow pigment { rgbt 1 } interior { media { emission 0.5 absorption 0.8 intervals 1 samples 4 density { spherical color_map { [0 rgb 0] [1 rgb <1, 0.5, 0.2>] } } } } }
