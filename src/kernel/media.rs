@@ -126,7 +126,6 @@ pub fn sample_intervals(
     if n_pieces == 1 {
         let n = if !pieces[0].lit && !has_density { 1 } else { wanted };
         cut(pieces[0], n, out);
-        add_missing_end(depth, out);
         return;
     }
     let weight = |p: &SampleInterval| if p.lit { rule.ratio } else { 1.0 - rule.ratio };
@@ -138,11 +137,10 @@ pub fn sample_intervals(
         left = left.saturating_sub(n);
         cut(*p, n, out);
     }
-    add_missing_end(depth, out);
 }
 
-/// An interval for what rounding leaves at the end: next to nothing in length, but it draws random numbers (measured).
-fn add_missing_end(depth: f64, out: &mut Vec<SampleInterval>) {
+/// An interval for what rounding leaves at the end : next to nothing in length, but it draws random numbers (measured).
+pub fn add_missing_end(depth: f64, out: &mut Vec<SampleInterval>) {
     let Some(last) = out.last() else { return };
     let n = out.iter().rev().take_while(|i| i.length == last.length && i.lit == last.lit).count();
     let first = out[out.len() - n];

@@ -8,7 +8,7 @@ use super::trace::Tracer;
 use crate::compile::CompiledLight;
 use crate::compile::geometry::prim_flags;
 use crate::kernel::light::{attenuation, light_ray};
-use crate::kernel::media::{SampleInterval, beam_piece, extinction, phase_value, sample_intervals};
+use crate::kernel::media::{SampleInterval, add_missing_end, beam_piece, extinction, phase_value, sample_intervals};
 use crate::kernel::{PatternPoint, SurfaceHit};
 use crate::math::color::grey;
 use crate::math::{DVec2, DVec3, Ray, Rgb, Vec3};
@@ -28,6 +28,8 @@ pub(super) struct MediaScratch {
     ends: Vec<f64>,
     pieces: Vec<SampleInterval>,
     intervals: Vec<SampleInterval>,
+    /// By interval: sums of its first samples and of the squares of their light.
+    sums: Vec<(Gathered, Rgb)>,
 }
 
 /// The piece of a ray that a light reaches.
@@ -40,7 +42,7 @@ struct LitPiece {
 
 /// What a sample or an interval adds: light, and depth of extinction.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Gathered {
+struct Gathered {
     light: Rgb,
     depth: Rgb,
 }
@@ -156,6 +158,7 @@ impl Tracer<'_> {
         s.ends.clear();
         s.ends.extend(s.lights.iter().map(|l| l.end));
         sample_intervals(rule, has_density, depth, &mut s.starts, &mut s.ends, &mut s.pieces, &mut s.intervals);
+        add_missing_end(depth, &mut s.intervals);
         let constant = media.iter().all(|m| self.plan.constant_media[m as usize]);
         let call = MediaRay {
             ray,
@@ -168,11 +171,19 @@ impl Tracer<'_> {
             is_shadow,
         };
         let mut total = Gathered::default();
-        for interval in &s.intervals {
+        let is_random = call.method != 3 && !(is_shadow && constant);
+        s.sums.clear();
+        if is_random {
+            // All intervals get their fewest samples before any gets more: random numbers are drawn in that order.
+            s.sums.extend(s.intervals.iter().map(|i| self.fewest_samples(&call, i, rule.samples.0)));
+        }
+        for (k, interval) in s.intervals.iter().enumerate() {
             let part = match call.method {
+                _ if is_random => {
+                    self.more_samples(&call, interval, s.sums[k], rule.samples.0, &self.plan.media_thresholds[rule_ix as usize])
+                }
                 3 => self.adaptive_interval(&call, interval, rule.samples.0, rule.aa_level),
-                _ if is_shadow && constant => self.random_sample(&call, interval),
-                _ => self.random_interval(&call, interval, rule, &self.plan.media_thresholds[rule_ix as usize], is_shadow),
+                _ => self.random_sample(&call, interval),
             };
             total.light += part.light * (-total.depth).exp();
             total.depth += part.depth;
@@ -203,16 +214,9 @@ impl Tracer<'_> {
         }
     }
 
-    /// Methods 1 and 2: random or stratified places, more of them while the variance is high.
-    fn random_interval(
-        &mut self,
-        call: &MediaRay,
-        i: &SampleInterval,
-        rule: &crate::scene::Media,
-        thresholds: &[f64],
-        is_shadow: bool,
-    ) -> Gathered {
-        let min = rule.samples.0.clamp(1, MAX_INTERVAL_SAMPLES);
+    /// Methods 1 and 2: random or stratified places. Gives the sums of the samples and of the squares of their light.
+    fn fewest_samples(&mut self, call: &MediaRay, i: &SampleInterval, samples: u32) -> (Gathered, Rgb) {
+        let min = samples.clamp(1, MAX_INTERVAL_SAMPLES);
         let (mut sum, mut sum_sq) = (Gathered::default(), Vec3::ZERO);
         for j in 0..min {
             let g = if call.method == 1 {
@@ -224,9 +228,20 @@ impl Tracer<'_> {
             sum = sum.plus(g);
             sum_sq += g.light * g.light;
         }
-        let mut n = min;
-        // Shadow rays take the fewest samples.
-        let thresholds = if is_shadow { &[] } else { thresholds };
+        (sum, sum_sq)
+    }
+
+    /// Methods 1 and 2: the mean, after more random samples while the variance is high. Shadow rays take the fewest samples.
+    fn more_samples(
+        &mut self,
+        call: &MediaRay,
+        i: &SampleInterval,
+        (mut sum, mut sum_sq): (Gathered, Rgb),
+        samples: u32,
+        thresholds: &[f64],
+    ) -> Gathered {
+        let mut n = samples.clamp(1, MAX_INTERVAL_SAMPLES);
+        let thresholds = if call.is_shadow { &[] } else { thresholds };
         while let Some(threshold) = thresholds.get(n as usize - 1) {
             let k = n as f32;
             let mean = sum.light / k;
@@ -251,29 +266,25 @@ impl Tracer<'_> {
     fn adaptive_interval(&mut self, call: &MediaRay, i: &SampleInterval, samples: u32, aa_level: u32) -> Gathered {
         let m = (samples.min(MAX_INTERVAL_SAMPLES) / 2 + 1).max(2);
         let step = 1.0 / f64::from(m + 1);
-        // All regular places first, then the refinements between them: random numbers are drawn in that order.
-        let slot = usize::from(call.is_shadow);
-        let mut regular = std::mem::take(&mut self.media_regular[slot]);
-        regular.clear();
-        for j in 0..=m {
-            let q = f64::from(j) * step + step * call.jitter * (self.media_random.draw() - 0.5);
-            let sample = self.media_sample(call, i, q);
-            regular.push(sample);
-        }
-        let at = |k: usize| (k as f64 * step, regular[k]);
         let mut sum = Gathered::default();
-        for j in 1..=m as usize {
-            let r = self.refined(call, i, at(j - 1), at(j), aa_level.min(20) as i32 - 1);
-            sum.light += r.light * (-sum.depth / m as f32).exp();
-            sum.depth += r.depth;
+        let (mut q_last, mut last) = (0.0, Gathered::default());
+        for j in 0..=m {
+            // Places stay regular for what follows; only the sample itself is jittered (measured).
+            let q = f64::from(j) * step;
+            let jittered = q + step * call.jitter * (self.media_random.draw() - 0.5);
+            let here = self.media_sample(call, i, jittered);
+            if j > 0 {
+                let r = self.refined(call, i, (q_last, last), (q, here), aa_level.min(20) as i32 - 1);
+                sum.light += r.light * (-sum.depth / m as f32).exp();
+                sum.depth += r.depth;
+            }
+            (q_last, last) = (q, here);
         }
-        self.media_regular[slot] = regular;
         sum.scaled(1.0 / m as f32)
     }
 
     /// The mean between two samples.
     fn refined(&mut self, call: &MediaRay, i: &SampleInterval, a: (f64, Gathered), c: (f64, Gathered), level: i32) -> Gathered {
-        // Places stay regular for what follows; only the sample itself is jittered.
         let q = 0.5 * (a.0 + c.0);
         let jittered = q + call.jitter * (c.0 - a.0) * (self.media_random.draw() - 0.5);
         let b = (q, self.media_sample(call, i, jittered));

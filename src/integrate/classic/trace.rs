@@ -1,6 +1,6 @@
 //! One ray: nearest hit, shading or sky, and the air in between. Source: spec/light.md, section 2.
 
-use super::media::{Gathered, MediaScratch};
+use super::media::MediaScratch;
 use super::plan::ScenePlan;
 use super::radiosity::RadiosityState;
 use super::ray::{Seen, TraceRay};
@@ -37,8 +37,6 @@ pub struct Tracer<'a> {
     pub(super) area_points: Vec<Option<Rgb>>,
     /// For view rays, and for the shadow rays inside them.
     pub(super) media_scratch: [MediaScratch; 2],
-    /// The same two: regular samples of one interval.
-    pub(super) media_regular: [Vec<Gathered>; 2],
     /// Present while radiosity is on.
     pub radiosity: Option<RadiosityState>,
     /// Once set, all that follows is black: a single pixel may take hours.
@@ -62,7 +60,6 @@ impl<'a> Tracer<'a> {
             lit: Vec::new(),
             area_points: Vec::new(),
             media_scratch: Default::default(),
-            media_regular: Default::default(),
             radiosity: None,
             cancel: None,
         }
