@@ -518,7 +518,7 @@ fn light(l: &crate::scene::Light, beam: &crate::compile::LightBeam) -> Light {
         LightKind::Spot { radius_rad, falloff_rad, tightness } => {
             out.kind = LIGHT_SPOT;
             (out.radius, out.falloff, out.tightness) = (radius_rad.cos() as f32, falloff_rad.cos() as f32, tightness as f32);
-            flags |= if radius_rad > 0.0 { LIGHT_HAS_RADIUS } else { 0 };
+            flags |= if radius_rad.cos() > 0.0 { LIGHT_HAS_RADIUS } else { 0 };
         }
         LightKind::Cylinder { radius, falloff, tightness } => {
             out.kind = LIGHT_CYLINDER;
