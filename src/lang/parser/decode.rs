@@ -325,9 +325,10 @@ fn decode_gif(bytes: &[u8], rules: Rules) -> Result<Image, String> {
     let global = decoder.global_palette().map(<[u8]>::to_vec);
     let frame = decoder.read_next_frame().map_err(|e| e.to_string())?.ok_or("it has no picture")?;
     let (width, height) = (u32::from(frame.width), u32::from(frame.height));
+    let indices = if frame.interlaced { in_file_order(&frame.buffer, width as usize) } else { frame.buffer.to_vec() };
     if rules.pot {
         let half = width as usize / 2;
-        let rows = frame.buffer.chunks_exact((width as usize).max(1));
+        let rows = indices.chunks_exact((width as usize).max(1));
         let pixels = rows.flat_map(|r| (0..half).map(move |i| u16::from_be_bytes([r[i], r[i + half]]))).collect();
         return Ok(Image { width: half as u32, height, pixels: Pixels::Gray16(pixels), has_alpha: false, deep: true, raw_rg: Vec::new() });
     }
@@ -338,7 +339,14 @@ fn decode_gif(bytes: &[u8], rules: Rules) -> Result<Image, String> {
         let [r, g, b] = [c[0], c[1], c[2]].map(|x| f64::from(x) / 255.0);
         color_of([r, g, b, a], &f)
     });
-    Ok(indexed(width, height, frame.buffer.to_vec(), palette.collect()))
+    Ok(indexed(width, height, indices, palette.collect()))
+}
+
+/// Rows of an interlaced GIF as they stand in the file: POV-Ray does not put them in place (measured).
+fn in_file_order(rows: &[u8], width: usize) -> Vec<u8> {
+    let rows: Vec<&[u8]> = rows.chunks_exact(width.max(1)).collect();
+    let passes = [(0, 8), (4, 8), (2, 4), (1, 2)];
+    passes.iter().flat_map(|&(first, step)| rows.iter().skip(first).step_by(step)).flat_map(|r| r.iter().copied()).collect()
 }
 
 /// BMP with at most 8 bits a pixel; `None` for others.
