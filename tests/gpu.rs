@@ -32,15 +32,25 @@ const INCLUDES: &str = "/usr/share/povray-3.7/include";
 const DECLINED: &[(&str, &str)] = &[
     ("atmosphere/media", "media"),
     ("atmosphere/rainbow", "rainbows"),
+    ("atmosphere/two_rainbows", "rainbows"),
     ("camera/focal_blur", "focal blur"),
+    ("camera/focal_blur_angle", "focal blur"),
+    ("camera/focal_blur_scaled", "focal blur"),
     ("camera/mesh_camera", "mesh cameras"),
+    ("camera/mesh_camera_grid", "mesh cameras"),
     ("finish/dispersion", "dispersion"),
     ("finish/fresnel", "reflection_exponent"),
     ("lights/area", "area lights"),
     ("lights/area_illumination", "area lights"),
+    ("lights/area_jitter_line", "area lights"),
     ("lights/circular", "area lights"),
     ("lights/orient", "area lights"),
     ("lights/projected_through", "projected through"),
+    ("media/absorption_shadow", "media"),
+    ("media/emission_shadow", "media"),
+    ("media/method1_three_intervals", "media"),
+    ("media/method3_jitter", "media"),
+    ("media/scattering", "media"),
     ("objects/blob", "blob"),
     ("objects/cubic", "poly"),
     ("objects/cubic_spline_lathe", "lathe"),
@@ -61,6 +71,10 @@ const DECLINED: &[(&str, &str)] = &[
     ("objects/sphere_sweep", "sphere_sweep"),
     ("objects/superellipsoid", "superellipsoid"),
     ("objects/text", "text"),
+    ("objects/text_kerning", "text"),
+    ("radiosity/floor", "radiosity"),
+    ("radiosity/sphere_on_floor", "radiosity"),
+    ("textures/image_function_pigment", "moving eye points"),
     ("textures/object_pattern", "object"),
 ];
 
@@ -155,8 +169,8 @@ fn scene_names() -> Vec<String> {
         }
     }
     names.sort();
-    // The text scene wants POV-Ray's fonts.
-    names.retain(|n| n != "objects/text" || std::path::Path::new(INCLUDES).is_dir());
+    // Text wants POV-Ray's fonts.
+    names.retain(|n| !n.starts_with("objects/text") || std::path::Path::new(INCLUDES).is_dir());
     names
 }
 

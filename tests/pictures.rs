@@ -14,18 +14,24 @@ const SHARE_WITHIN: f64 = 0.99;
 /// Largest difference of a near pixel, of 255.
 const NEAR: u8 = 2;
 /// Scenes that are known not to agree yet, with the reason; one that agrees must leave this list.
-const KNOWN_FAILURES: &[(&str, &str)] = &[];
+const KNOWN_FAILURES: &[(&str, &str)] = &[
+    (
+        "objects/parametric",
+        "POV-Ray's normals of parametric surfaces with `precompute` differ near the rim by more than rounding; cause unknown",
+    ),
+    ("textures/tiling", "the flat middle of a tile has the value 0.5, where the map jumps: POV-Ray's lies above it by less than 1e-12"),
+];
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// POV-Ray's fonts, which the text scene wants: Debian's povray-includes.
+/// POV-Ray's fonts, which text wants: Debian's povray-includes.
 const INCLUDES: &str = "/usr/share/povray-3.7/include";
 
 /// Whether a scene needs what is not installed here; `test.sh` installs it where it may.
 fn is_left_out(name: &str) -> bool {
-    name == "objects/text" && !Path::new(INCLUDES).is_dir()
+    name.starts_with("objects/text") && !Path::new(INCLUDES).is_dir()
 }
 
 fn scene_names() -> Vec<String> {
