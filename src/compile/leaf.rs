@@ -368,6 +368,10 @@ fn plane_bounds(n: DVec3, d: f64) -> (Bounds, Bounds) {
         if (n[k].abs() - 1.0).abs() < EPSILON {
             let at = d * n[k].signum();
             let pad = 1e-7 * (1.0 + at.abs());
+            // Beyond all bounds, or nowhere at all.
+            if !(at.abs() + pad < BOUND_HUGE) {
+                continue;
+            }
             surface.min[k] = at - pad;
             surface.max[k] = at + pad;
             if n[k] > 0.0 {

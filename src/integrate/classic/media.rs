@@ -307,6 +307,9 @@ impl Tracer<'_> {
 
     /// One sample at share `q` of an interval, as if the whole interval were so.
     fn media_sample(&mut self, call: &MediaRay, i: &SampleInterval, q: f64) -> Gathered {
+        if self.is_stopped() {
+            return Gathered::default();
+        }
         let scene = self.scene;
         let at = i.start + q * i.length;
         let point = call.ray.at(at);

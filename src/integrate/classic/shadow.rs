@@ -188,9 +188,14 @@ impl Tracer<'_> {
             if level < grid.area.adaptive || differ(0, 1) || differ(1, 3) || differ(3, 2) || differ(2, 0) {
                 let (ul, uh, vl, vh) = ((u1 + u2) / 2, (u1 + u2).div_ceil(2), (v1 + v2) / 2, (v1 + v2).div_ceil(2));
                 let parts = [[u1, v1, ul, vl], [uh, v1, u2, vl], [u1, vh, ul, v2], [uh, vh, u2, v2]];
-                let mut sum = Vec3::ZERO;
-                for part in parts {
-                    sum += self.area_part(grid, part, level + 1);
+                let (mut sum, mut means) = (Vec3::ZERO, [Vec3::ZERO; 4]);
+                for k in 0..4 {
+                    // A single row or column has each half twice: asked twice each, long ones would take 4^n steps instead of 2^n.
+                    means[k] = match parts[..k].iter().position(|p| *p == parts[k]) {
+                        Some(same) => means[same],
+                        None => self.area_part(grid, parts[k], level + 1),
+                    };
+                    sum += means[k];
                 }
                 return 0.25 * sum;
             }
@@ -202,6 +207,9 @@ impl Tracer<'_> {
         let place = (u * grid.area.n2 + v) as usize;
         if let Some(c) = grid.points[place] {
             return c;
+        }
+        if self.is_stopped() {
+            return Vec3::ZERO;
         }
         let (ju, jv) = (self.area_place(u, grid.area.jitter), self.area_place(v, grid.area.jitter));
         let offset = area_offset(grid.area, grid.axes, ju, jv);

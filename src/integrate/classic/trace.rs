@@ -71,12 +71,18 @@ impl<'a> Tracer<'a> {
         Self { cancel: Some(cancel), ..self }
     }
 
+    /// Whether nothing of the picture is wanted any more.
+    #[inline]
+    pub(super) fn is_stopped(&self) -> bool {
+        self.cancel.is_some_and(|c| c.load(Ordering::Relaxed))
+    }
+
     /// What `r` sees. `weight` only decides cut-offs; a `continued` ray counts no level.
     pub(super) fn trace(&mut self, r: &TraceRay, weight: f64, continued: bool) -> Seen {
         if self.level >= self.max_level || weight < self.adc_bailout || self.recursion >= MAX_RECURSION {
             return Seen::BLACK;
         }
-        if self.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
+        if self.is_stopped() {
             return Seen::BLACK;
         }
         let counted = u32::from(!continued);
