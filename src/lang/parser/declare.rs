@@ -126,6 +126,10 @@ impl Parser<'_> {
     }
 
     pub(super) fn assign(&mut self, place: &Place, name: Symbol, value: Value) -> PResult<()> {
+        if place.scope >= self.symbols.scopes.len() {
+            // The macro or file that declares the name ended before the value: POV-Ray takes it (measured), and nobody can see it.
+            return Ok(());
+        }
         if place.path.is_empty() && !self.symbols.scopes[place.scope].contains_key(&place.name) {
             self.symbols.scopes[place.scope].insert(name, Entry { binding: Binding::Value(value), deprecated: None, nesting: 0 });
             return Ok(());

@@ -1,0 +1,1 @@
+#macro M(A B)#local A=1;#if(B>0)M(A B-1)#else sphere{A 1}#local B=#end#end#declare K=2;M(K 5)M(<1,3>2)
