@@ -14,13 +14,7 @@ const SHARE_WITHIN: f64 = 0.99;
 /// Largest difference of a near pixel, of 255.
 const NEAR: u8 = 2;
 /// Scenes that are known not to agree yet, with the reason; one that agrees must leave this list.
-const KNOWN_FAILURES: &[(&str, &str)] = &[
-    (
-        "objects/parametric",
-        "POV-Ray's normals of parametric surfaces with `precompute` differ near the rim by more than rounding; cause unknown",
-    ),
-    ("textures/tiling", "the flat middle of a tile has the value 0.5, where the map jumps: POV-Ray's lies above it by less than 1e-12"),
-];
+const KNOWN_FAILURES: &[(&str, &str)] = &[];
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))

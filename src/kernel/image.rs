@@ -52,7 +52,8 @@ pub fn bump_normal(map: &ImageMap, amount: f64, n: DVec3, p: DVec3) -> DVec3 {
         };
         let at = (wrap(c + dc, w), wrap(r + dr, h));
         let v = match &map.image.pixels {
-            Pixels::Indexed { indices, .. } if map.use_index => sample(map, at, |k| [f32::from(indices[k]), 0.0, 0.0, 0.0, 0.0])[0],
+            // An index stays whole, interpolated or not (measured).
+            Pixels::Indexed { indices, .. } if map.use_index => sample(map, at, |k| [f32::from(indices[k]), 0.0, 0.0, 0.0, 0.0])[0].trunc(),
             _ => grey(color_at(map, at).rgb),
         };
         amount * f64::from(v)

@@ -228,12 +228,8 @@ pub fn intersect_parametric(s: &ParametricShape, ray: &LocalRay, f: &impl Fn(DVe
                 *slot = Some(half);
             }
         }
-        // The nearer half comes off the stack first.
-        if let [Some(x), Some(y)] = next
-            && x.from < y.from
-        {
-            next.swap(0, 1);
-        }
+        // The lower half comes off the stack first, be it nearer or not: where depths tie, it decides the cell (measured).
+        next.swap(0, 1);
         for half in next.into_iter().flatten() {
             if n < stack.len() {
                 stack[n] = half;

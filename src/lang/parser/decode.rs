@@ -323,9 +323,14 @@ fn decode_gif(bytes: &[u8], rules: Rules) -> Result<Image, String> {
     options.set_memory_limit(gif::MemoryLimit::Bytes(std::num::NonZeroU64::new(MAX_PIXELS).expect("a constant")));
     let mut decoder = options.read_info(bytes).map_err(|e| e.to_string())?;
     let global = decoder.global_palette().map(<[u8]>::to_vec);
-    let frame = decoder.read_next_frame().map_err(|e| e.to_string())?.ok_or("it has no picture")?;
+    let frame = decoder.next_frame_info().map_err(|e| e.to_string())?.ok_or("it has no picture")?.clone();
     let (width, height) = (u32::from(frame.width), u32::from(frame.height));
-    let indices = if frame.interlaced { in_file_order(&frame.buffer, width as usize) } else { frame.buffer.to_vec() };
+    fits(width, height, rules)?;
+    // Rows as they stand in the file: POV-Ray does not put those of interlaced pictures in place (measured).
+    let mut indices = vec![0; width as usize * height as usize];
+    if !decoder.fill_buffer(&mut indices).map_err(|e| e.to_string())? {
+        return Err("it ends too early".into());
+    }
     if rules.pot {
         let half = width as usize / 2;
         let rows = indices.chunks_exact((width as usize).max(1));
@@ -340,13 +345,6 @@ fn decode_gif(bytes: &[u8], rules: Rules) -> Result<Image, String> {
         color_of([r, g, b, a], &f)
     });
     Ok(indexed(width, height, indices, palette.collect()))
-}
-
-/// Rows of an interlaced GIF as they stand in the file: POV-Ray does not put them in place (measured).
-fn in_file_order(rows: &[u8], width: usize) -> Vec<u8> {
-    let rows: Vec<&[u8]> = rows.chunks_exact(width.max(1)).collect();
-    let passes = [(0, 8), (4, 8), (2, 4), (1, 2)];
-    passes.iter().flat_map(|&(first, step)| rows.iter().skip(first).step_by(step)).flat_map(|r| r.iter().copied()).collect()
 }
 
 /// BMP with at most 8 bits a pixel; `None` for others.
