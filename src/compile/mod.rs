@@ -66,6 +66,8 @@ pub struct CompiledScene {
     pub camera: Camera,
     /// Bends the camera's rays, or [`NONE`].
     pub camera_normal: NormalIx,
+    /// Weighs the lens of focal blur, or [`NONE`].
+    pub camera_bokeh: PigmentIx,
     /// Global settings.
     pub settings: Settings,
     /// Background colour.
@@ -297,6 +299,8 @@ fn finish(mut flattener: Flattener, scene: &Scene, options: &CompileOptions) -> 
         transform_ix: flattener.transforms.add(&sky.transform),
     });
     let camera_normal = scene.camera.normal.as_ref().map_or(NONE, |n| flattener.textures.normal(n));
+    let bokeh = scene.camera.blur.as_ref().and_then(|b| b.bokeh.as_ref());
+    let camera_bokeh = bokeh.map_or(NONE, |p| flattener.textures.pigment(p));
     // Objects that patterns ask about; their own patterns may bring more.
     loop {
         let objects = flattener.textures.take_objects();
@@ -318,6 +322,7 @@ fn finish(mut flattener: Flattener, scene: &Scene, options: &CompileOptions) -> 
         light_groups: rest.light_groups,
         camera: scene.camera.clone(),
         camera_normal,
+        camera_bokeh,
         settings: scene.settings.clone(),
         background: scene.background,
         sky,

@@ -3,9 +3,12 @@
 //!
 //! Positions (x, y) are pixels with integers at pixel centres, y downwards. Twin: `shaders/generate_rays`.
 
+use super::function::free_point;
 use super::lens::Lens;
 use super::mesh_camera::MeshCamera;
+use super::pigment::eval_pigment;
 use crate::compile::CompiledScene;
+use crate::math::color::grey;
 use crate::math::{DVec2, DVec3, Ray};
 use crate::scene::Projection;
 use std::f64::consts::PI;
@@ -58,7 +61,13 @@ impl CameraModel {
             unit: [unit(c.right), unit(c.up), unit(c.direction)],
             size: DVec2::new(c.right.length(), c.up.length()),
             resolution: DVec2::new(f64::from(width), f64::from(height)),
-            lens: c.blur.as_ref().filter(|b| b.aperture != 0.0 && b.max_samples > 0).map(|b| Lens::new(b, c.direction, c.up)),
+            lens: c.blur.as_ref().filter(|b| b.aperture != 0.0 && b.max_samples > 0).map(|b| {
+                let bokeh = |p: DVec2| {
+                    let at = free_point(DVec3::new(p.x, p.y, 0.0));
+                    eval_pigment(scene, scene.camera_bokeh, &at).map_or(0.0, |c| f64::from(grey(c.rgb)))
+                };
+                Lens::new(b, c.direction, c.up, (scene.camera_bokeh != crate::compile::NONE).then_some(&bokeh))
+            }),
             mesh,
             normal_ix: (scene.camera_normal != crate::compile::NONE).then_some(scene.camera_normal),
         }

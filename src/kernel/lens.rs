@@ -1,9 +1,9 @@
 //! Focal blur: where each lens sample of a pixel goes, and when a pixel has enough of them.
 //! Source: spec/light.md, section 11 (verified there to the pixel); spec/textures.md, "Focal blur".
 
-use crate::math::DVec3;
-use crate::math::random::{halton, hash_table, pixel_jitter};
+use crate::math::random::{UniformStream, halton, hash_table, pixel_jitter};
 use crate::math::statistics::chi_square_point;
+use crate::math::{DVec2, DVec3};
 use crate::scene::camera::Blur;
 
 /// A lens with its sample places and its stop rule.
@@ -29,12 +29,12 @@ pub struct Lens {
 const MAX_SAMPLES: u32 = 1 << 16;
 
 impl Lens {
-    /// The lens of a camera with the given direction and up vectors.
-    pub fn new(blur: &Blur, direction: DVec3, up: DVec3) -> Self {
+    /// The lens of a camera with the given direction and up vectors; `bokeh` weighs the places of the unit square.
+    pub fn new(blur: &Blur, direction: DVec3, up: DVec3, bokeh: Option<&dyn Fn(DVec2) -> f64>) -> Self {
         let n = blur.max_samples.clamp(1, MAX_SAMPLES);
         let x = up.cross(direction).try_normalize().unwrap_or(DVec3::X);
         let y = direction.cross(x).try_normalize().unwrap_or(DVec3::Y);
-        let (grid, groups) = if blur.bokeh.is_some() { (disc_points(n, &[]), vec![4]) } else { places(n) };
+        let (grid, groups) = bokeh.map_or_else(|| places(n), |weight| (weighed_points(n, weight), vec![4]));
         let last = chi_square_point(blur.confidence, n.saturating_sub(1).max(1));
         Self {
             focal_factor: blur.focal_distance / direction.length().max(1e-30),
@@ -50,13 +50,6 @@ impl Lens {
             min_samples: blur.min_samples,
             thresholds: (1..=n).map(|i| blur.variance * chi_square_point(blur.confidence, i) / last).collect(),
             groups,
-        }
-    }
-
-    /// Replaces the sample places (bokeh weights the lens by a pigment).
-    pub fn set_places(&mut self, grid: Vec<[f64; 2]>) {
-        if grid.len() == self.grid.len() {
-            self.grid = grid;
         }
     }
 
@@ -177,6 +170,15 @@ fn disc_points(n: u32, base: &[[f64; 2]]) -> Vec<[f64; 2]> {
     out
 }
 
+/// `n` Halton points of the square, taken with the probability that `weight` gives; it grows with every try, so that this ends.
+fn weighed_points(n: u32, weight: &dyn Fn(DVec2) -> f64) -> Vec<[f64; 2]> {
+    let n_sq = f64::from(n) * f64::from(n);
+    let mut random = UniformStream::default();
+    let places = (0..).map(|k| (k, DVec2::new(halton(k, 2), halton(k, 3))));
+    let taken = places.filter(|(k, p)| random.draw() <= weight(*p) + f64::from(*k) / n_sq);
+    taken.map(|(_, p)| [p.x - 0.5, p.y - 0.5]).take(n as usize).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -202,7 +204,7 @@ mod tests {
     fn equal_samples_settle_and_scattered_ones_do_not() {
         let blur =
             Blur { aperture: 1.0, focal_distance: 1.0, min_samples: 0, max_samples: 20, confidence: 0.9, variance: 1e-4, bokeh: None };
-        let lens = Lens::new(&blur, DVec3::Z, DVec3::Y);
+        let lens = Lens::new(&blur, DVec3::Z, DVec3::Y, None);
         assert!(lens.is_settled(7, [3.5; 4], [1.75; 4]));
         assert!(!lens.is_settled(7, [3.0; 4], [3.0; 4]));
     }
