@@ -33,6 +33,7 @@ const DECLINED: &[(&str, &str)] = &[
     ("atmosphere/media", "media"),
     ("atmosphere/rainbow", "rainbows"),
     ("atmosphere/two_rainbows", "rainbows"),
+    ("camera/bokeh", "focal blur"),
     ("camera/focal_blur", "focal blur"),
     ("camera/focal_blur_angle", "focal blur"),
     ("camera/focal_blur_scaled", "focal blur"),

@@ -182,7 +182,9 @@ fn warp_words(w: &WarpNode) -> (&'static str, Vec<u32>) {
 fn tiling_words(n: u8) -> Vec<u32> {
     let t = tiling_plan(n).expect("tilings without a plan are plain");
     let [u, v] = t.lattice;
-    let mut words = vec![bits(t.kinds), bits(u[0]), bits(u[1]), bits(v[0]), bits(v[1]), t.tiles.len() as u32];
+    // Enough for a single float to lie above the part's start.
+    let least = if t.floor > 0.0 { t.floor.max(3e-7) } else { 0.0 };
+    let mut words = vec![bits(t.kinds), bits(u[0]), bits(u[1]), bits(v[0]), bits(v[1]), bits(least), t.tiles.len() as u32];
     for (kind, sides) in &t.tiles {
         words.extend([bits(*kind), sides.len() as u32]);
         words.extend(sides.iter().flatten().map(|v| bits(*v)));

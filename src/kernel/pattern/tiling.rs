@@ -40,7 +40,7 @@ pub struct Tiling {
     /// Tiles by their kind.
     pub tiles: Vec<(f64, Sides)>,
     /// Least depth value, far from the sides of large tiles.
-    floor: f64,
+    pub floor: f64,
 }
 
 /// What the program adds to the start of a part far from the sides, so that a map's step at the part's start lies below it (measured
