@@ -18,9 +18,6 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// What it is.
     pub info: wgpu::AdapterInfo,
-    /// Has f64 in shaders.
-    pub has_f64: bool,
-    cache: Option<wgpu::PipelineCache>,
     /// The first fault that nobody asked for: lost, out of memory, a validation error.
     fault: Arc<Mutex<Option<String>>>,
 }
@@ -83,11 +80,8 @@ impl Gpu {
     }
 
     fn open(adapter: &wgpu::Adapter) -> Result<Self, BackendError> {
-        let optional = wgpu::Features::SHADER_F64 | wgpu::Features::PIPELINE_CACHE;
-        let features = adapter.features() & optional;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("rayloom"),
-            required_features: features,
             required_limits: adapter.limits(),
             memory_hints: wgpu::MemoryHints::Performance,
             ..Default::default()
@@ -104,8 +98,7 @@ impl Gpu {
             }
         });
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| keep(&uncaptured, e.to_string())));
-        let has_f64 = features.contains(wgpu::Features::SHADER_F64);
-        Ok(Self { device, queue, info: adapter.get_info(), has_f64, cache: None, fault })
+        Ok(Self { device, queue, info: adapter.get_info(), fault })
     }
 
     /// "NVIDIA H100 (Vulkan)".
@@ -198,7 +191,8 @@ impl Gpu {
             module: &module,
             entry_point: Some(entry_point),
             compilation_options: wgpu::PipelineCompilationOptions { zero_initialize_workgroup_memory: false, ..Default::default() },
-            cache: self.cache.as_ref(),
+            // Drivers keep compiled shaders on disk by themselves; wgpu's own cache takes unsafe code.
+            cache: None,
         });
         match pollster::block_on(scope.pop()) {
             Some(e) => Err(BackendError::Unsupported(format!("shader '{label}': {e}"))),
