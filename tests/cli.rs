@@ -25,6 +25,8 @@ impl Folder {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rayloom"));
         // No povray.ini of this machine may change what is tested.
         command.args(args).current_dir(self.0.path()).env_clear().env("POVINI", "/nonexistent");
+        // The temporary folder is one that scenes may write to; a checkout may lie in the usual one.
+        command.env("TMPDIR", self.0.path());
         command.output().expect("the program starts")
     }
 }
