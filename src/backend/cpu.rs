@@ -4,10 +4,11 @@
 //! whose picture depends on the order of rays (`ScenePlan::needs_ordered_rays`) is rendered block after block on one core, with
 //! streams that run on: POV-Ray's own order with one thread. All others are rendered in parallel.
 
+use super::unfinished::{add_samples, clear, unfinished_blocks};
 use super::{Backend, BackendError, Progress};
 use crate::compile::CompiledScene;
 use crate::film::Film;
-use crate::integrate::antialias::{Block, Sample, blocks};
+use crate::integrate::antialias::{Block, Sample};
 use crate::integrate::classic::{RadiosityState, ScenePlan, Tracer};
 use crate::integrate::samples::sample_position;
 use crate::integrate::{IntegratorKind, RenderSettings};
@@ -55,15 +56,12 @@ impl Backend for CpuBackend {
             .stack_size(STACK_BYTES)
             .build()
             .map_err(|e| BackendError::Unsupported(format!("threads could not be started: {e}")))?;
-        let mut all = blocks(settings.crop, settings.block_size);
         if ordered {
             // Streams of random numbers cannot be picked up in the middle.
-            all.iter().for_each(|b| clear(film, *b));
-        } else {
-            all.retain(|b| !is_finished(film, *b, settings));
+            clear(film, settings.crop);
         }
-        let area = |b: &Block| u64::from(b[2] - b[0]) * u64::from(b[3] - b[1]);
-        let done = AtomicU64::new(area(&settings.crop) - all.iter().map(area).sum::<u64>());
+        let (all, n_finished) = unfinished_blocks(film, settings);
+        let done = AtomicU64::new(n_finished);
         let job = Job { settings, progress, cancel, done, film: Mutex::new(film) };
         let tracer = || Tracer::new(scene, &plan).until(cancel);
         pool.install(|| {
@@ -83,20 +81,6 @@ impl Backend for CpuBackend {
             }
         });
         Ok(())
-    }
-}
-
-/// Whether a block holds all samples that are wanted of it.
-pub(super) fn is_finished(film: &Film, [x0, y0, x1, y1]: Block, settings: &RenderSettings) -> bool {
-    let wanted = settings.samples.len().max(1) as u32;
-    (y0..y1).all(|y| (x0..x1).all(|x| film.samples[film.index(x, y)] >= wanted))
-}
-
-pub(super) fn clear(film: &mut Film, [x0, y0, x1, y1]: Block) {
-    for y in y0..y1 {
-        let row = film.index(x0, y)..film.index(x1 - 1, y) + 1;
-        film.samples[row.clone()].fill(0);
-        film.pixels[row].fill([0.0; 4]);
     }
 }
 
@@ -134,7 +118,7 @@ impl Job<'_> {
                 for x in x0..x1 {
                     let at = film.index(x, y0 + r);
                     let new = pixels[(r as usize) * w + (x - x0) as usize];
-                    add_samples(&mut film, at, new, n_samples, self.settings.samples.start > 0);
+                    add_samples(&mut film, at, new, n_samples);
                 }
             }
         }
@@ -155,15 +139,6 @@ impl Job<'_> {
         }
         sum.map(|v| v / n)
     }
-}
-
-/// The mean of old and new samples of a pixel; `join` keeps the old ones.
-pub(super) fn add_samples(film: &mut Film, at: usize, new: Sample, n_new: u32, join: bool) {
-    let n_old = if join { film.samples[at] } else { 0 };
-    let (a, b) = (n_old as f32, n_new as f32);
-    let old = film.pixels[at];
-    film.pixels[at] = if n_old == 0 { new } else { std::array::from_fn(|k| (old[k] * a + new[k] * b) / (a + b)) };
-    film.samples[at] = n_old + n_new;
 }
 
 /// One value a pixel, row by row; gives the rows finished.

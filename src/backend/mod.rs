@@ -3,6 +3,9 @@
 pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod unfinished;
+
+pub use unfinished::unfinished_blocks;
 
 use crate::compile::CompiledScene;
 use crate::film::Film;

@@ -85,7 +85,7 @@ fn decode(bytes: &[u8], fingerprint: &str) -> Result<Film, &'static str> {
 }
 
 /// FNV-1a over words of eight bytes: finds what a full disk or a killed program leaves behind.
-fn checksum(bytes: &[u8]) -> u64 {
+pub fn checksum(bytes: &[u8]) -> u64 {
     bytes.chunks(8).fold(0xcbf2_9ce4_8422_2325, |h, word| {
         let word = word.iter().rev().fold(0u64, |v, b| v << 8 | u64::from(*b));
         (h ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)

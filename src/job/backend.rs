@@ -1,10 +1,10 @@
 //! Which machine renders, and what is told when it is not the one asked for.
 
-use super::{Job, Listener, Pixels, Stage};
+use super::{Job, Listener, Pixels, Stage, tell};
 use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError};
 use crate::compile::CompiledScene;
-use crate::diag::Sink;
+use crate::diag::{Sink, SourceMap};
 use crate::film::Film;
 use std::sync::atomic::AtomicBool;
 
@@ -27,6 +27,7 @@ pub(super) fn render(
     film: &mut Film,
     device: &mut String,
     sink: &mut Sink,
+    map: &SourceMap,
     listener: &dyn Listener,
     cancel: &AtomicBool,
 ) -> Result<(), BackendError> {
@@ -37,15 +38,7 @@ pub(super) fn render(
         machine.render(scene, &job.render, film, &Pixels(listener), cancel)
     };
     if job.backend != BackendChoice::Cpu {
-        let result = gpu(job.backend).and_then(|machine| {
-            // Blocks of an earlier run are the CPU's business.
-            let mut fresh = Film::new(film.width, film.height);
-            let result = on(machine.as_ref(), &mut fresh);
-            if result.is_ok() || fresh.samples.iter().any(|n| *n > 0) {
-                *film = fresh;
-            }
-            result
-        });
+        let result = gpu(job.backend).and_then(|machine| on(machine.as_ref(), film));
         match (result, job.backend) {
             (Ok(()), _) => return Ok(()),
             (Err(BackendError::Unsupported(what)), _) => {
@@ -58,9 +51,7 @@ pub(super) fn render(
             (Err(error), _) => return Err(error),
         }
     }
-    for d in sink.drain() {
-        listener.diagnostic(&d, &crate::diag::SourceMap::default());
-    }
+    tell(sink, map, listener);
     on(&CpuBackend::new(job.render.threads), film)
 }
 

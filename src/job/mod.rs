@@ -14,7 +14,7 @@ pub use pov::{accel_named, all_cores, check_size, job_for_frame};
 pub use write::Target;
 
 use crate::backend::{BackendError, Progress};
-use crate::compile::{CompileError, CompileOptions, CompiledScene};
+use crate::compile::{CompileError, CompileOptions};
 use crate::diag::{Diagnostic, Sink, SourceMap};
 use crate::film::FilmError;
 use crate::import::ImportError;
@@ -68,8 +68,6 @@ pub trait Listener: Sync {
     fn diagnostic(&self, d: &Diagnostic, map: &SourceMap);
     /// What the scene writes.
     fn text(&self, stream: Stream, text: &str);
-    /// The scene is compiled.
-    fn compiled(&self, _scene: &CompiledScene) {}
     /// `done` of `total` pixels are finished.
     fn pixels(&self, done: u64, total: u64);
 }
@@ -180,12 +178,11 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     let compiled = compiled?;
     outcome.counts = [scene.objects.len(), compiled.geometry.prims.len(), compiled.lights.len()];
     drop(scene);
-    listener.compiled(&compiled);
     lap(&mut outcome.seconds[1]);
 
     let fingerprint = resume::fingerprint(job, &map);
-    let mut film = resume::film(job, &fingerprint, &mut sink)?;
-    let result = backend::render(job, &compiled, &mut film, &mut outcome.device, &mut sink, listener, cancel);
+    let mut film = resume::film(job, &fingerprint, &mut sink);
+    let result = backend::render(job, &compiled, &mut film, &mut outcome.device, &mut sink, &map, listener, cancel);
     tell(&mut sink, &map, listener);
     lap(&mut outcome.seconds[2]);
     let stopped = cancel.load(Ordering::Relaxed);

@@ -51,7 +51,7 @@ impl Target {
         }
     }
 
-    /// Writes what was rendered so far, beside nothing that was there: the picture itself is replaced only by finished ones.
+    /// Writes what was rendered so far in the picture's place; gives its path.
     pub(super) fn save_unfinished(&self, job: &Job, scene: &CompiledScene, film: &Film) -> Result<Option<PathBuf>, JobError> {
         let Some(path) = &self.path else { return Ok(None) };
         let metadata = metadata(job, scene, film, None);

@@ -25,13 +25,13 @@ mod wavefront;
 
 pub use device::{Gpu, GpuOptions, list_devices};
 
-use super::cpu::{add_samples, clear, is_finished};
+use super::unfinished::{add_samples, unfinished_blocks};
 use super::{Backend, BackendError, Progress};
 use crate::compile::CompiledScene;
 use crate::film::Film;
 use crate::integrate::Antialias;
 use crate::integrate::RenderSettings;
-use crate::integrate::antialias::{Block, BlockMemo, Sample, blocks};
+use crate::integrate::antialias::{Block, BlockMemo, Sample};
 use crate::integrate::classic::ScenePlan;
 use crate::integrate::samples::sample_position;
 use buffers::SceneBuffers;
@@ -69,10 +69,11 @@ impl Backend for GpuBackend {
         let buffers = SceneBuffers::new(scene, &plan)?;
         let wavefront = Wavefront::new(&self.gpu, &buffers)?;
         let camera = camera::CameraRays::new(scene, &plan);
-        let mut picture = Picture { wavefront, camera, settings, film, progress, cancel, done: 0 };
+        let (all, done) = unfinished_blocks(film, settings);
+        let mut picture = Picture { wavefront, camera, settings, film, progress, cancel, done };
         match &settings.antialias {
-            Some(aa) => picture.render_blocks(aa),
-            None => picture.render_pixels(),
+            Some(aa) => picture.render_blocks(aa, &all),
+            None => picture.render_pixels(&all),
         }
     }
 }
@@ -90,16 +91,15 @@ struct Picture<'p> {
 
 impl Picture<'_> {
     /// The same samples for every pixel: as many pixels at a time as the wavefront takes.
-    fn render_pixels(&mut self) -> Result<(), BackendError> {
-        let of_block = |[x0, y0, x1, y1]: Block| (y0..y1).flat_map(move |y| (x0..x1).map(move |x| (x, y)));
-        let pixels: Vec<(u32, u32)> = self.unfinished_blocks().into_iter().flat_map(of_block).collect();
+    fn render_pixels(&mut self, all: &[Block]) -> Result<(), BackendError> {
+        let of_block = |&[x0, y0, x1, y1]: &Block| (y0..y1).flat_map(move |y| (x0..x1).map(move |x| (x, y)));
+        let pixels: Vec<(u32, u32)> = all.iter().flat_map(of_block).collect();
         let n_samples = self.settings.samples.len().max(1) as u32;
         if n_samples == 1 {
-            let join = self.settings.samples.start > 0;
             for part in pixels.chunks(self.wavefront.max_samples as usize) {
                 let at: Vec<(f64, f64)> = part.iter().map(|(x, y)| (f64::from(*x), f64::from(*y))).collect();
                 let Some(found) = self.trace(&at)? else { return Ok(()) };
-                part.iter().zip(found).for_each(|((x, y), s)| self.keep(*x, *y, s, 1, join));
+                part.iter().zip(found).for_each(|((x, y), s)| self.keep(*x, *y, s, 1));
                 self.tell(part.len());
             }
             return Ok(());
@@ -116,7 +116,7 @@ impl Picture<'_> {
                 for ((x, y), list) in part.iter().zip(found.chunks((end - first) as usize)) {
                     let mut mean = [0.0f32; 4];
                     list.iter().for_each(|s| (0..4).for_each(|k| mean[k] += s[k]));
-                    self.keep(*x, *y, mean.map(|v| v / list.len() as f32), end - first, first > 0);
+                    self.keep(*x, *y, mean.map(|v| v / list.len() as f32), end - first);
                 }
                 first = end;
             }
@@ -126,8 +126,7 @@ impl Picture<'_> {
     }
 
     /// Blocks that decide their samples by what the first ones show.
-    fn render_blocks(&mut self, aa: &Antialias) -> Result<(), BackendError> {
-        let all = self.unfinished_blocks();
+    fn render_blocks(&mut self, aa: &Antialias, all: &[Block]) -> Result<(), BackendError> {
         let side = self.settings.block_size.max(4) as usize + 1;
         for part in all.chunks((self.wavefront.max_samples as usize / (side * side)).max(1)) {
             let mut memos: Vec<BlockMemo> = part.iter().map(|b| BlockMemo::new(*b)).collect();
@@ -166,30 +165,17 @@ impl Picture<'_> {
         Ok(Some(found))
     }
 
-    /// Blocks that do not hold all their samples yet; what they hold is rendered anew, unless samples are to be joined.
-    fn unfinished_blocks(&mut self) -> Vec<Block> {
-        let mut all = blocks(self.settings.crop, self.settings.block_size);
-        let n_pixels = |list: &[Block]| list.iter().map(|[x0, y0, x1, y1]| ((x1 - x0) * (y1 - y0)) as usize).sum::<usize>();
-        let n = n_pixels(&all);
-        all.retain(|b| !is_finished(self.film, *b, self.settings));
-        if self.settings.samples.start == 0 {
-            all.iter().for_each(|b| clear(self.film, *b));
-        }
-        self.done = (n - n_pixels(&all)) as u64;
-        all
-    }
-
     fn keep_block(&mut self, [x0, y0, x1, y1]: Block, pixels: &[Sample]) {
         for (k, s) in pixels.iter().enumerate() {
             let (x, y) = (x0 + k as u32 % (x1 - x0), y0 + k as u32 / (x1 - x0));
-            self.keep(x, y, *s, 1, false);
+            self.keep(x, y, *s, 1);
         }
         self.tell(((x1 - x0) * (y1 - y0)) as usize);
     }
 
-    fn keep(&mut self, x: u32, y: u32, s: Sample, n: u32, join: bool) {
+    fn keep(&mut self, x: u32, y: u32, s: Sample, n: u32) {
         let at = self.film.index(x, y);
-        add_samples(self.film, at, s, n, join);
+        add_samples(self.film, at, s, n);
     }
 
     fn tell(&mut self, n: usize) {

@@ -1,0 +1,41 @@
+//! What of a picture is still to be rendered, and how samples get into it: the same for every machine.
+
+use crate::film::Film;
+use crate::integrate::RenderSettings;
+use crate::integrate::antialias::{Block, Sample, blocks};
+
+/// The blocks that do not hold all their samples, emptied, and the number of pixels in the others.
+///
+/// Blocks are rendered whole, so that antialiasing sees the neighbours that it saw before.
+pub fn unfinished_blocks(film: &mut Film, settings: &RenderSettings) -> (Vec<Block>, u64) {
+    let wanted = settings.samples.len().max(1) as u32;
+    let (mut unfinished, mut n_finished) = (Vec::new(), 0);
+    for block in blocks(settings.crop, settings.block_size) {
+        let [x0, y0, x1, y1] = block;
+        if (y0..y1).all(|y| (x0..x1).all(|x| film.samples[film.index(x, y)] >= wanted)) {
+            n_finished += u64::from(x1 - x0) * u64::from(y1 - y0);
+        } else {
+            clear(film, block);
+            unfinished.push(block);
+        }
+    }
+    (unfinished, n_finished)
+}
+
+/// Takes all samples out of a block.
+pub(super) fn clear(film: &mut Film, [x0, y0, x1, y1]: Block) {
+    for y in y0..y1 {
+        let row = film.index(x0, y)..film.index(x1 - 1, y) + 1;
+        film.samples[row.clone()].fill(0);
+        film.pixels[row].fill([0.0; 4]);
+    }
+}
+
+/// Joins the mean of `n_new` samples to those that a pixel has.
+pub(super) fn add_samples(film: &mut Film, at: usize, new: Sample, n_new: u32) {
+    let n_old = film.samples[at];
+    let (a, b) = (n_old as f32, n_new as f32);
+    let old = film.pixels[at];
+    film.pixels[at] = if n_old == 0 { new } else { std::array::from_fn(|k| (old[k] * a + new[k] * b) / (a + b)) };
+    film.samples[at] = n_old + n_new;
+}
