@@ -1,11 +1,11 @@
 //! Patterns, pigments, functions, splines, normals and textures against numbers that POV-Ray printed or drew for them
 //! (`tests/measured/*.txt`, written by `measure.py` there). Not for whole pictures: `pictures.rs` has those.
 
-use rayloom::backend::{Backend, Progress, cpu::CpuBackend};
+use rayloom::backend::{Backend, cpu::CpuBackend};
 use rayloom::compile::{CompileOptions, compile_scene};
 use rayloom::diag::{Sink, SourceMap};
 use rayloom::film::Film;
-use rayloom::integrate::{IntegratorKind, RenderSettings};
+use rayloom::integrate::RenderSettings;
 use rayloom::kernel::query::KernelQuery;
 use rayloom::lang::{LangOptions, Parsed, Stream, parse_scene};
 use rayloom::world::DiskWorld;
@@ -205,12 +205,6 @@ fn patterns_pigments_functions_and_splines_are_povrays() {
     assert!(wrong.is_empty(), "{} values differ:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-struct Silent;
-
-impl Progress for Silent {
-    fn pixels(&self, _done: u64, _total: u64) {}
-}
-
 #[test]
 fn normals_and_textures_are_povrays() {
     const SIZE: [u32; 2] = [40, 30];
@@ -226,20 +220,9 @@ fn normals_and_textures_are_povrays() {
         let scene = parsed.scene.expect("a scene");
         let compiled = compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene compiles");
         for (k, (x, y)) in pixels.iter().enumerate() {
-            let settings = RenderSettings {
-                width: SIZE[0],
-                height: SIZE[1],
-                crop: [*x, *y, x + 1, y + 1],
-                antialias: None,
-                samples: 0..1,
-                integrator: IntegratorKind::Classic,
-                threads: 1,
-                seed: 0,
-                output_alpha: false,
-                block_size: 32,
-            };
+            let settings = RenderSettings { crop: [*x, *y, x + 1, y + 1], ..RenderSettings::plain(SIZE[0], SIZE[1]) };
             let mut film = Film::new(SIZE[0], SIZE[1]);
-            CpuBackend::new(1).render(&compiled, &settings, &mut film, &Silent, &AtomicBool::new(false)).expect("renders");
+            CpuBackend::new(1).render(&compiled, &settings, &mut film, &(), &AtomicBool::new(false)).expect("renders");
             let ours = film.pixels[film.index(*x, *y)];
             let agree = (0..3).all(|c| {
                 let b: f64 = povrays[3 * k + c].parse().expect("POV-Ray's number");

@@ -165,24 +165,8 @@ mod tests {
     use crate::scene::{Light, Object, Scene, Texture};
     use std::sync::Arc;
 
-    struct Silent;
-    impl Progress for Silent {
-        fn pixels(&self, _: u64, _: u64) {}
-    }
-
     fn settings(threads: usize) -> RenderSettings {
-        RenderSettings {
-            width: 40,
-            height: 36,
-            crop: [0, 0, 40, 36],
-            antialias: None,
-            samples: 0..1,
-            integrator: IntegratorKind::Classic,
-            threads,
-            seed: 0,
-            output_alpha: false,
-            block_size: 8,
-        }
+        RenderSettings { threads, block_size: 8, ..RenderSettings::plain(40, 36) }
     }
 
     /// A white plane below a white light at distance 2 above the origin.
@@ -200,7 +184,7 @@ mod tests {
     fn render(scene: &Scene, settings: &RenderSettings) -> Film {
         let compiled = compile_scene(scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
         let mut film = Film::new(settings.width, settings.height);
-        CpuBackend::new(settings.threads).render(&compiled, settings, &mut film, &Silent, &AtomicBool::new(false)).expect("renders");
+        CpuBackend::new(settings.threads).render(&compiled, settings, &mut film, &(), &AtomicBool::new(false)).expect("renders");
         film
     }
 
@@ -247,7 +231,7 @@ mod tests {
     fn cancelled_before_the_start_nothing_is_rendered() {
         let compiled = compile_scene(&lit_plane(), &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
         let mut film = Film::new(40, 36);
-        CpuBackend::new(2).render(&compiled, &settings(2), &mut film, &Silent, &AtomicBool::new(true)).expect("renders");
+        CpuBackend::new(2).render(&compiled, &settings(2), &mut film, &(), &AtomicBool::new(true)).expect("renders");
         assert!(film.samples.iter().all(|n| *n == 0));
     }
 }

@@ -42,6 +42,11 @@ pub trait Progress: Sync {
     fn pixels(&self, done: u64, total: u64);
 }
 
+/// Nobody listens.
+impl Progress for () {
+    fn pixels(&self, _done: u64, _total: u64) {}
+}
+
 /// GPUs that could render, real ones first: "NVIDIA H100 (Vulkan)".
 pub fn device_names() -> Vec<String> {
     #[cfg(feature = "gpu")]

@@ -7,9 +7,7 @@ use clap::{Args, ValueEnum};
 use rayloom::diag::{Diagnostic, SourceMap, Style, render};
 use rayloom::film::{FileFormat, FileGamma};
 use rayloom::integrate::{Antialias, IntegratorKind};
-use rayloom::job::{
-    BackendChoice, Job, JobError, Listener, Outcome, SceneFormat, Stage, Target, accel_named, all_cores, include_folders, job_for_frame,
-};
+use rayloom::job::{Job, JobError, Listener, Outcome, SceneFormat, Stage, Target, include_folders, job_for_frame};
 use rayloom::lang::Stream;
 use rayloom::lang::options::{Environment, PovOptions, frames};
 use rayloom::world::DiskWorld;
@@ -28,12 +26,12 @@ pub struct RenderArgs {
     /// Width and height in pixels [default: 800x600, or what the .ini says]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<(u32, u32)>,
-    /// Machine: the GPU when there is one that can render the scene, the CPU, the GPU
-    #[arg(long, value_enum, default_value_t = BackendArg::Auto)]
-    backend: BackendArg,
-    /// Tree over the geometry
-    #[arg(long, value_parser = ["auto", "kd", "bvh", "brute"], default_value = "auto")]
-    accel: String,
+    /// Machine: the GPU when there is one that can render the scene, the CPU, the GPU [default: auto, or what the .ini says]
+    #[arg(long, value_parser = ["auto", "cpu", "gpu"])]
+    backend: Option<String>,
+    /// Tree over the geometry [default: auto, or what the .ini says]
+    #[arg(long, value_parser = ["auto", "kd", "bvh", "brute"])]
+    accel: Option<String>,
     /// Light transport: POV-Ray's own, or unbiased path tracing
     #[arg(long, value_enum, default_value_t = IntegratorArg::Auto)]
     integrator: IntegratorArg,
@@ -52,7 +50,7 @@ pub struct RenderArgs {
     /// Its depth
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=9))]
     antialias_depth: u8,
-    /// Threads of the CPU [default: all cores]; the picture does not depend on it
+    /// Threads of the CPU [default: all cores, or what the .ini says]; the picture does not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=512))]
     threads: Option<u16>,
     /// Seed of random numbers
@@ -73,9 +71,9 @@ pub struct RenderArgs {
     /// Transparent background: the picture gets an alpha channel
     #[arg(long)]
     alpha: bool,
-    /// POV-Ray's quality level
-    #[arg(long, value_name = "0..9", default_value_t = 9, value_parser = clap::value_parser!(u8).range(0..=11))]
-    quality: u8,
+    /// POV-Ray's quality level [default: 9, or what the .ini says]
+    #[arg(long, value_name = "0..9", value_parser = clap::value_parser!(u8).range(0..=11))]
+    quality: Option<u8>,
     /// Bits per channel of PNG and PPM
     #[arg(long, value_name = "8|16", default_value_t = 8, value_parser = clap::value_parser!(u8).range(8..=16))]
     bits: u8,
@@ -100,13 +98,6 @@ pub struct RenderArgs {
     /// Memory to use at most [default: most of what is free]
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..1 << 40))]
     max_memory: Option<u64>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum BackendArg {
-    Auto,
-    Cpu,
-    Gpu,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -251,6 +242,11 @@ fn jobs(args: &RenderArgs) -> Result<Vec<Job>, JobError> {
     o.max_steps = args.max_steps.or(o.max_steps);
     o.max_memory = args.max_memory.or(o.max_memory);
     o.allow_io.extend(args.allow_io.iter().cloned());
+    o.quality = args.quality.map_or(o.quality, |q| q.min(9));
+    o.threads = args.threads.map_or(o.threads, usize::from);
+    o.backend = args.backend.clone().unwrap_or(o.backend);
+    o.accel = args.accel.clone().unwrap_or(o.accel);
+    o.continue_trace |= args.resume;
     let Some(input) = o.input.clone().map(PathBuf::from) else {
         return Err(JobError::Options(format!("'{}' names no scene (Input_File_Name)", args.scene)));
     };
@@ -286,7 +282,6 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
     let r = &mut job.render;
     r.output_alpha |= args.alpha;
     r.seed = args.seed;
-    r.threads = args.threads.map_or_else(all_cores, usize::from);
     if let Some(crop) = args.crop {
         if crop[2] > r.width || crop[3] > r.height {
             return Err(JobError::Options(format!("the crop reaches beyond the picture of {} by {}", r.width, r.height)));
@@ -306,15 +301,7 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
         r.samples = range;
         r.antialias = None::<Antialias>;
     }
-    job.compile.quality = args.quality.min(9);
     job.compile.skip = !args.no_skip;
-    job.compile.accel = accel_named(&args.accel);
-    job.backend = match args.backend {
-        BackendArg::Auto => BackendChoice::Auto,
-        BackendArg::Cpu => BackendChoice::Cpu,
-        BackendArg::Gpu => BackendChoice::Gpu,
-    };
-    job.resume = args.resume;
     Ok(job)
 }
 

@@ -52,3 +52,21 @@ pub struct RenderSettings {
     /// Side of the blocks that pixels are rendered in (POV-Ray's `+BS`, 32): decides antialiasing at block borders.
     pub block_size: u32,
 }
+
+impl RenderSettings {
+    /// The whole of a picture, one sample in the middle of each pixel, one thread, POV-Ray's light transport.
+    pub fn plain(width: u32, height: u32) -> Self {
+        Self {
+            width,
+            height,
+            crop: [0, 0, width, height],
+            antialias: None,
+            samples: 0..1,
+            integrator: IntegratorKind::Classic,
+            threads: 1,
+            seed: 0,
+            output_alpha: false,
+            block_size: 32,
+        }
+    }
+}

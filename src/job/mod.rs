@@ -10,7 +10,7 @@ mod write;
 
 pub use backend::BackendChoice;
 pub use load::{SceneFormat, Source, include_folders, load_scene};
-pub use pov::{accel_named, all_cores, check_size, job_for_frame};
+pub use pov::{all_cores, check_size, job_for_frame};
 pub use write::Target;
 
 use crate::backend::{BackendError, Progress};

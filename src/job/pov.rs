@@ -92,7 +92,7 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
 }
 
 /// The tree of a name that the options accept.
-pub fn accel_named(name: &str) -> AccelKind {
+fn accel_named(name: &str) -> AccelKind {
     [AccelKind::Kd, AccelKind::Bvh, AccelKind::Brute].into_iter().find(|k| k.name() == name).unwrap_or_default()
 }
 

@@ -1,13 +1,13 @@
 //! What is fed with bytes, and what came of it.
 
 use super::files;
+use rayloom::backend::Backend;
 use rayloom::backend::cpu::CpuBackend;
-use rayloom::backend::{Backend, Progress};
 use rayloom::compile::{CompileOptions, compile_scene};
 use rayloom::diag::{Sink, SourceMap, Style, render};
 use rayloom::film::Film;
 use rayloom::import::ImportOptions;
-use rayloom::integrate::{IntegratorKind, RenderSettings};
+use rayloom::integrate::RenderSettings;
 use rayloom::kernel::query::KernelQuery;
 use rayloom::lang::options::{Environment, PovOptions, frames};
 use rayloom::lang::{LangOptions, parse_scene};
@@ -211,26 +211,10 @@ fn memory() -> MemoryLimit {
     MemoryLimit::bytes(1 << 30)
 }
 
-struct Silent;
-impl Progress for Silent {
-    fn pixels(&self, _: u64, _: u64) {}
-}
-
 /// Compiles and renders 4 by 3 pixels; whether it compiled and how much of it came.
 fn draw(scene: &Scene, sink: &mut Sink) -> Option<(usize, bool)> {
     let compiled = compile_scene(scene, &CompileOptions { memory: memory(), ..CompileOptions::default() }, sink).ok()?;
-    let settings = RenderSettings {
-        width: 4,
-        height: 3,
-        crop: [0, 0, 4, 3],
-        antialias: None,
-        samples: 0..1,
-        integrator: IntegratorKind::Classic,
-        threads: 1,
-        seed: 0,
-        output_alpha: false,
-        block_size: 1,
-    };
+    let settings = RenderSettings { block_size: 1, ..RenderSettings::plain(4, 3) };
     let mut film = Film::new(4, 3);
     let cancel = AtomicBool::new(false);
     let finished = AtomicBool::new(false);
@@ -243,7 +227,7 @@ fn draw(scene: &Scene, sink: &mut Sink) -> Option<(usize, bool)> {
             cancel.store(true, Ordering::Relaxed);
         });
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-            CpuBackend::new(1).render(&compiled, &settings, &mut film, &Silent, &cancel)
+            CpuBackend::new(1).render(&compiled, &settings, &mut film, &(), &cancel)
         }));
         finished.store(true, Ordering::Relaxed);
         clock.thread().unpark();

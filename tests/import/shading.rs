@@ -1,38 +1,22 @@
 //! Pictures of imports on the CPU, held against analytic answers.
 
 use crate::files::{Data, Folder, SQUARE, png};
-use rayloom::backend::{Backend, Progress, cpu::CpuBackend};
+use rayloom::backend::{Backend, cpu::CpuBackend};
 use rayloom::compile::{CompileOptions, compile_scene};
 use rayloom::diag::Sink;
 use rayloom::film::Film;
-use rayloom::integrate::{IntegratorKind, RenderSettings};
+use rayloom::integrate::RenderSettings;
 use rayloom::scene::Scene;
 use std::f64::consts::PI;
-
-struct Silent;
-impl Progress for Silent {
-    fn pixels(&self, _: u64, _: u64) {}
-}
 
 const WIDTH: u32 = 32;
 const HEIGHT: u32 = 16;
 
 fn render(scene: &Scene) -> Film {
-    let settings = RenderSettings {
-        width: WIDTH,
-        height: HEIGHT,
-        crop: [0, 0, WIDTH, HEIGHT],
-        antialias: None,
-        samples: 0..1,
-        integrator: IntegratorKind::Classic,
-        threads: 1,
-        seed: 0,
-        output_alpha: false,
-        block_size: 16,
-    };
+    let settings = RenderSettings::plain(WIDTH, HEIGHT);
     let compiled = compile_scene(scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
     let mut film = Film::new(WIDTH, HEIGHT);
-    CpuBackend::new(1).render(&compiled, &settings, &mut film, &Silent, &Default::default()).expect("renders");
+    CpuBackend::new(1).render(&compiled, &settings, &mut film, &(), &Default::default()).expect("renders");
     film
 }
 

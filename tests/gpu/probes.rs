@@ -1,20 +1,12 @@
 //! Shader functions against their CPU twins, element by element (`shaders/probes/`). Pictures say that something broke; probes say what.
-//! Skipped with a line where no adapter exists, unless `RAYLOOM_REQUIRE_GPU=1`.
-#![cfg(feature = "gpu")]
 
+use crate::found;
 use rayloom::backend::gpu::probe::run_probe;
 use rayloom::backend::gpu::shader::ShaderOptions;
 use rayloom::backend::gpu::{Gpu, GpuOptions};
 
 fn gpu() -> Option<Gpu> {
-    match Gpu::new(&GpuOptions { accept_software: true, ..GpuOptions::default() }) {
-        Ok(gpu) => Some(gpu),
-        Err(e) if std::env::var_os("RAYLOOM_REQUIRE_GPU").is_some_and(|v| v == "1") => panic!("RAYLOOM_REQUIRE_GPU is set: {e}"),
-        Err(e) => {
-            println!("skipped: {e}");
-            None
-        }
-    }
+    found(Gpu::new(&GpuOptions { accept_software: true, ..GpuOptions::default() }))
 }
 
 #[test]

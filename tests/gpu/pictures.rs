@@ -1,14 +1,14 @@
 //! The GPU against the f64 CPU renderer on the scenes of `tests/scenes/`: 99.5 % of the pixels within 2/255, or declined by name.
 //! Skipped with a line where no adapter exists, unless `RAYLOOM_REQUIRE_GPU=1`.
-#![cfg(feature = "gpu")]
 
+use crate::found;
 use rayloom::backend::cpu::CpuBackend;
 use rayloom::backend::gpu::{GpuBackend, GpuOptions};
-use rayloom::backend::{Backend, BackendError, Progress};
+use rayloom::backend::{Backend, BackendError};
 use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
 use rayloom::diag::{Sink, SourceMap};
 use rayloom::film::Film;
-use rayloom::integrate::{Antialias, IntegratorKind, RenderSettings};
+use rayloom::integrate::{Antialias, RenderSettings};
 use rayloom::kernel::query::KernelQuery;
 use rayloom::lang::{LangOptions, parse_scene};
 use rayloom::math::{DVec3, Rgbft, Vec3};
@@ -79,20 +79,8 @@ const DECLINED: &[(&str, &str)] = &[
     ("textures/object_pattern", "object"),
 ];
 
-struct Silent;
-impl Progress for Silent {
-    fn pixels(&self, _: u64, _: u64) {}
-}
-
 fn gpu() -> Option<GpuBackend> {
-    match GpuBackend::new(&GpuOptions { accept_software: true, ..GpuOptions::default() }) {
-        Ok(gpu) => Some(gpu),
-        Err(e) if std::env::var_os("RAYLOOM_REQUIRE_GPU").is_some_and(|v| v == "1") => panic!("RAYLOOM_REQUIRE_GPU is set: {e}"),
-        Err(e) => {
-            println!("skipped: {e}");
-            None
-        }
-    }
+    found(GpuBackend::new(&GpuOptions { accept_software: true, ..GpuOptions::default() }))
 }
 
 fn folder() -> PathBuf {
@@ -112,23 +100,12 @@ fn compile(name: &str, text: &str) -> CompiledScene {
 }
 
 fn settings(antialias: Option<Antialias>) -> RenderSettings {
-    RenderSettings {
-        width: SIZE[0],
-        height: SIZE[1],
-        crop: [0, 0, SIZE[0], SIZE[1]],
-        antialias,
-        samples: 0..1,
-        integrator: IntegratorKind::Classic,
-        threads: 2,
-        seed: 0,
-        output_alpha: false,
-        block_size: 32,
-    }
+    RenderSettings { antialias, threads: 2, ..RenderSettings::plain(SIZE[0], SIZE[1]) }
 }
 
 fn render(backend: &dyn Backend, scene: &CompiledScene, settings: &RenderSettings) -> Result<Film, BackendError> {
     let mut film = Film::new(settings.width, settings.height);
-    backend.render(scene, settings, &mut film, &Silent, &AtomicBool::new(false))?;
+    backend.render(scene, settings, &mut film, &(), &AtomicBool::new(false))?;
     assert!(film.samples.iter().all(|n| *n > 0), "every pixel is rendered");
     Ok(film)
 }

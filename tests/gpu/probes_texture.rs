@@ -1,8 +1,7 @@
 //! Texture shaders against the kernel, through the encoder that renders use: every pattern, pigment, normal and texture of
 //! `tests/measured`, at thousands of points. Pictures say that something broke; probes say what.
-//! Skipped with a line where no adapter exists, unless `RAYLOOM_REQUIRE_GPU=1`.
-#![cfg(feature = "gpu")]
 
+use crate::found;
 use rayloom::backend::BackendError;
 use rayloom::backend::gpu::probe::run_probe;
 use rayloom::backend::gpu::shader::assemble;
@@ -25,14 +24,7 @@ use std::path::PathBuf;
 const N_INPUTS: usize = 6;
 
 fn gpu() -> Option<Gpu> {
-    match Gpu::new(&GpuOptions { accept_software: true, ..GpuOptions::default() }) {
-        Ok(gpu) => Some(gpu),
-        Err(e) if std::env::var_os("RAYLOOM_REQUIRE_GPU").is_some_and(|v| v == "1") => panic!("RAYLOOM_REQUIRE_GPU is set: {e}"),
-        Err(e) => {
-            println!("skipped: {e}");
-            None
-        }
-    }
+    found(Gpu::new(&GpuOptions { accept_software: true, ..GpuOptions::default() }))
 }
 
 fn folder() -> PathBuf {
