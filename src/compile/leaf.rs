@@ -296,9 +296,14 @@ pub(super) fn add_leaf(
             let leaf = placed(PrimKind::Parametric, push(&mut shapes.parametrics, shape), container_bounds(&container))?;
             Ok(Leaf { inside_bounds: Bounds::EMPTY, solid: false, ..leaf })
         }
-        Shape::Csg { .. } | Shape::Group { .. } | Shape::LightGroup { .. } | Shape::Light(_) | Shape::Text { .. } | Shape::Mesh(_) => {
-            Err(Degenerate)
-        }
+        // No primitive of its own, or one that was made above.
+        Shape::Csg { .. }
+        | Shape::Group { .. }
+        | Shape::LightGroup { .. }
+        | Shape::Light(_)
+        | Shape::Text { .. }
+        | Shape::Mesh(_)
+        | Shape::Curves(_) => Err(Degenerate),
     }
 }
 

@@ -51,6 +51,7 @@ fn texel(t: &MaterialTexture, x: u32, y: u32) -> [f32; 4] {
             let c = list[k].map(|v| f32::from(v) / 65535.0);
             if t.srgb { [linear_from_srgb(c[0]), linear_from_srgb(c[1]), linear_from_srgb(c[2]), c[3]] } else { c }
         }
+        Texels::RgbaF32(list) => list[k],
     }
 }
 
@@ -59,7 +60,7 @@ fn wrapped(k: i64, n: u32, wrap: Wrap) -> u32 {
     let n = i64::from(n);
     (match wrap {
         Wrap::Repeat => k.rem_euclid(n),
-        Wrap::Clamp => k.clamp(0, n - 1),
+        Wrap::Clamp | Wrap::Clip => k.clamp(0, n - 1),
         Wrap::Mirror => {
             let m = k.rem_euclid(2 * n);
             if m < n { m } else { 2 * n - 1 - m }
@@ -82,7 +83,13 @@ pub fn sample_texture(t: &MaterialTexture, uv: DVec2) -> [f32; 4] {
     if !(x.is_finite() && y.is_finite()) {
         return [1.0; 4];
     }
-    let at = |x: i64, y: i64| texel(t, wrapped(x, w, t.wrap[0]), wrapped(y, h, t.wrap[1]));
+    let clips = |k: i64, n: u32, wrap: Wrap| wrap == Wrap::Clip && !(0..i64::from(n)).contains(&k);
+    let at = |x: i64, y: i64| {
+        if clips(x, w, t.wrap[0]) || clips(y, h, t.wrap[1]) {
+            return [0.0; 4];
+        }
+        texel(t, wrapped(x, w, t.wrap[0]), wrapped(y, h, t.wrap[1]))
+    };
     if !t.linear {
         return at(x.floor() as i64, y.floor() as i64);
     }

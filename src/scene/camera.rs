@@ -47,6 +47,31 @@ pub struct Blur {
     pub bokeh: Option<Arc<Pigment>>,
 }
 
+/// A thin lens, for the path integrator: depth of field as Cycles has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Radius of the opening in scene units (Blender: focal length in metres / (2 f-stop)).
+    pub radius: f64,
+    /// Distance of the plane in focus along the camera's axis, in scene units.
+    pub focus_distance: f64,
+    /// Straight blades; below 3 the opening is round.
+    pub blades: u32,
+    /// Turn of the blades.
+    pub rotation_rad: f64,
+    /// Width of the opening over its height is 1 / ratio (an anamorphic lens); 1 for none.
+    pub ratio: f64,
+}
+
+/// Where the camera is at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "as the camera's own")]
+pub struct CameraPose {
+    pub location: DVec3,
+    pub direction: DVec3,
+    pub right: DVec3,
+    pub up: DVec3,
+}
+
 /// A camera. Left-handed when it comes from POV-Ray: x right, y up, z away from the viewer.
 #[derive(Clone, Debug)]
 pub struct Camera {
@@ -54,14 +79,19 @@ pub struct Camera {
     pub projection: Projection,
     /// Eye point.
     pub location: DVec3,
-    /// View direction; its length is the distance of the picture plane (perspective).
+    /// To the middle of the picture plane (perspective). A lens shift is in it: then it is not perpendicular to `right` and `up`, and the
+    /// axis of the camera is their cross product.
     pub direction: DVec3,
     /// Picture's right; its length is the picture's width on the plane.
     pub right: DVec3,
     /// Picture's up; its length is the picture's height on the plane.
     pub up: DVec3,
-    /// Depth of field.
+    /// Depth of field, POV-Ray's.
     pub blur: Option<Blur>,
+    /// Depth of field, Cycles'; of the path integrator alone.
+    pub lens: Option<Lens>,
+    /// Poses at evenly spaced times over the shutter, at least 2; empty: it stands still. `location` and the rest are the pose in the middle.
+    pub motion: Vec<CameraPose>,
     /// Perturbs ray directions.
     pub normal: Option<Arc<Normal>>,
 }
@@ -76,6 +106,8 @@ impl Default for Camera {
             right: DVec3::new(1.33, 0.0, 0.0),
             up: DVec3::Y,
             blur: None,
+            lens: None,
+            motion: Vec::new(),
             normal: None,
         }
     }
@@ -87,6 +119,12 @@ impl Camera {
         self.location = t.point(self.location);
         for v in [&mut self.direction, &mut self.right, &mut self.up] {
             *v = t.vector(*v);
+        }
+        for pose in &mut self.motion {
+            pose.location = t.point(pose.location);
+            for v in [&mut pose.direction, &mut pose.right, &mut pose.up] {
+                *v = t.vector(*v);
+            }
         }
     }
 }

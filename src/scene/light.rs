@@ -1,6 +1,6 @@
 //! Light sources.
 
-use super::Object;
+use super::{Lamp, Object};
 use crate::math::{DVec3, Rgb, Transform};
 
 /// Shape of a light's beam. Angles are half angles in radians, lengths in scene units. Source: spec/light.md, section 6.
@@ -83,6 +83,8 @@ pub struct Light {
     pub photons: (Option<bool>, Option<bool>, bool),
     /// Radius of the emitting sphere (imports), 0 for a point.
     pub radius: f64,
+    /// What the path integrator makes of it; `None`: what the fields above say.
+    pub lamp: Option<Box<Lamp>>,
 }
 
 impl Light {
@@ -103,6 +105,7 @@ impl Light {
             looks_like: None,
             photons: (None, None, false),
             radius: 0.0,
+            lamp: None,
         }
     }
 
@@ -112,6 +115,9 @@ impl Light {
         self.point_at = t.point(self.point_at);
         if let LightKind::Sun { direction, .. } = &mut self.kind {
             *direction = t.vector(*direction).normalize();
+        }
+        if let Some(lamp) = &mut self.lamp {
+            lamp.transform = lamp.transform.then(t);
         }
         if let Some(a) = &mut self.area {
             a.axis1 = t.vector(a.axis1);

@@ -1,5 +1,6 @@
 //! The physically based material of imports, and its pictures. What it does to light: `kernel/material.rs` and the integrators.
 
+use super::Shader;
 use crate::math::{Rgb, Vec3};
 use std::sync::Arc;
 
@@ -21,6 +22,8 @@ pub enum Texels {
     Rgba8(Vec<[u8; 4]>),
     /// 16 bits a channel.
     Rgba16(Vec<[u16; 4]>),
+    /// Floats, linear whatever the texture says; may exceed 1.
+    RgbaF32(Vec<[f32; 4]>),
 }
 
 /// A picture of a material.
@@ -43,6 +46,8 @@ pub enum Wrap {
     Mirror,
     /// Its edge.
     Clamp,
+    /// Nothing: black that lets through (Blender's Clip).
+    Clip,
 }
 
 /// A picture as a material uses it.
@@ -91,6 +96,8 @@ pub struct Principled {
     pub normal_scale: f32,
     /// Said by glTF; both sides are shown anyway, as Cycles does.
     pub double_sided: bool,
+    /// What the path integrator simulates; `None`: what the fields above say. These stay its likeness for the classic integrator.
+    pub shader: Option<Arc<Shader>>,
 }
 
 impl Default for Principled {
@@ -114,6 +121,7 @@ impl Default for Principled {
             normal_texture: None,
             normal_scale: 1.0,
             double_sided: true,
+            shader: None,
         }
     }
 }

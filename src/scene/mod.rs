@@ -8,32 +8,47 @@
 //!   its own texture, interior and clip objects are already in the parent's space.
 
 pub mod camera;
+pub mod curves;
+pub mod environment;
 pub mod function;
 pub mod image;
+pub mod input;
 pub mod interior;
+pub mod lamp;
 pub mod light;
 pub mod material;
 pub mod object;
+pub mod path_settings;
 pub mod pattern;
 pub mod query;
 pub mod settings;
+pub mod shader;
 pub mod shape;
 pub mod spline;
 pub mod texture;
+pub mod visibility;
+pub mod volume;
 
 pub use camera::{Camera, Projection};
+pub use curves::Curves;
+pub use environment::Environment;
 pub use function::{Function, FunctionBody};
 pub use image::{Image, ImageMap};
 pub use interior::{Fog, Interior, Media, Rainbow, SkySphere};
+pub use lamp::Lamp;
 pub use light::Light;
 pub use material::Principled;
 pub use object::{Object, ObjectFlags};
+pub use path_settings::PathSettings;
 pub use pattern::{DensityGrid, Pattern, PatternKind, Warp};
 pub use query::SceneQuery;
 pub use settings::Settings;
+pub use shader::Shader;
 pub use shape::{Csg, Mesh, Shape};
 pub use spline::Spline;
 pub use texture::{BlendMap, Finish, Normal, NormalKind, Pigment, PigmentKind, Texture, TextureLayer};
+pub use visibility::Visibility;
+pub use volume::Volume;
 
 use crate::math::Rgbft;
 
@@ -48,6 +63,8 @@ pub struct Scene {
     pub background: Rgbft,
     /// Seen by direction, in front of the background.
     pub sky_sphere: Option<SkySphere>,
+    /// What the path integrator sees in place of the background and the sky; `None`: those.
+    pub environment: Option<Environment>,
     /// Fogs in the order of the file.
     pub fogs: Vec<Fog>,
     /// Rainbows in the order of the file.
@@ -67,6 +84,7 @@ impl Default for Scene {
             camera: Camera::default(),
             background: Rgbft { transmit: 1.0, ..Rgbft::BLACK },
             sky_sphere: None,
+            environment: None,
             fogs: Vec::new(),
             rainbows: Vec::new(),
             atmosphere: Vec::new(),

@@ -1,6 +1,6 @@
 //! Objects: a shape with its place, its cover and its switches.
 
-use super::{Interior, Shape, Texture};
+use super::{Interior, Shape, Texture, Visibility};
 use crate::diag::Span;
 use crate::math::Transform;
 use std::sync::Arc;
@@ -70,8 +70,27 @@ pub struct Object {
     pub photons: PhotonFlags,
     /// Share of radiosity rays, 0..=1.
     pub importance: Option<f64>,
+    /// What the path integrator asks besides.
+    pub traits: PathTraits,
     /// Place in the scene file.
     pub span: Option<Span>,
+}
+
+/// What the path integrator asks of an object besides; what stands inside an object has its own, not its parent's.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PathTraits {
+    /// Ray kinds that see it.
+    pub visibility: Visibility,
+    /// A hole in the film's alpha where the camera sees it.
+    pub holdout: bool,
+    /// Seen only as the shadow and light that it catches.
+    pub shadow_catcher: bool,
+    /// Pass index.
+    pub object_id: u32,
+    /// Name, for Cryptomatte; empty for none.
+    pub name: Arc<str>,
+    /// `Object::transform` at evenly spaced times over the shutter, at least 2; empty: it stands still. `transform` is the middle's.
+    pub motion: Arc<[Transform]>,
 }
 
 impl Object {
@@ -88,6 +107,7 @@ impl Object {
             flags: ObjectFlags::default(),
             photons: PhotonFlags::default(),
             importance: None,
+            traits: PathTraits::default(),
             span: None,
         }
     }

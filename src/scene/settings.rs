@@ -1,5 +1,6 @@
 //! What `global_settings` and the language version decide.
 
+use super::PathSettings;
 use crate::math::Rgb;
 use crate::math::Vec3;
 
@@ -43,6 +44,8 @@ pub struct Settings {
     pub photons: Option<Photons>,
     /// Present when the scene asks for subsurface: diffuse samples, single samples, with radiosity.
     pub subsurface: Option<(u32, u32, bool)>,
+    /// What the scene asks of the path integrator.
+    pub path: PathSettings,
 }
 
 impl Default for Settings {
@@ -60,6 +63,7 @@ impl Default for Settings {
             radiosity: None,
             photons: None,
             subsurface: None,
+            path: PathSettings::default(),
         }
     }
 }

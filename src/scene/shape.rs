@@ -1,6 +1,6 @@
 //! Shapes: what a ray can hit, in the numbers that the scene gives. Source: spec/objects.md.
 
-use super::{Function, Light, Object, Texture};
+use super::{Curves, Function, Light, Object, Texture};
 use crate::math::{DVec2, DVec3, DVec4, Transform, Vec3};
 use std::sync::Arc;
 
@@ -40,6 +40,19 @@ pub struct Mesh {
     pub inside_vector: Option<DVec3>,
     /// Corner colours (imports), linear RGBA, by vertex; empty for none.
     pub colors: Vec<[f32; 4]>,
+    /// More texture coordinates, for pictures that ask for them by number (imports).
+    pub more_uvs: Vec<UvSet>,
+    /// Vertices at evenly spaced times over the shutter, each like `vertices`, at least 2; empty: they stand still. Path integrator alone.
+    pub motion: Vec<Vec<Vec3>>,
+}
+
+/// Texture coordinates of a mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct UvSet {
+    /// Coordinates; (0, 0) is glTF's: the upper left corner of a picture.
+    pub uvs: Vec<[f32; 2]>,
+    /// Per face.
+    pub indices: Vec<[u32; 3]>,
 }
 
 /// One part of a blob.
@@ -257,6 +270,8 @@ pub enum Shape {
         op: Csg,
         children: Vec<Object>,
     },
+    /// Hair.
+    Curves(Arc<Curves>),
     /// Another object, with a transform and modifiers of its own around it.
     Group {
         child: Arc<Object>,

@@ -103,16 +103,28 @@ fn encode_picture(t: &MaterialTexture, words: &mut Vec<u32>, image_words: &mut V
                 let pair = |a: u16, b: u16| u32::from(a) | u32::from(b) << 16;
                 image_words.extend(list.iter().flat_map(|c| [pair(c[0], c[1]), pair(c[2], c[3])]));
             }
+            // The likeness goes without what is above 1.
+            Texels::RgbaF32(list) => {
+                let code = |v: f32| (v.clamp(0.0, 1.0) * 65535.0).round() as u32;
+                image_words.extend(list.iter().flat_map(|c| [code(c[0]) | code(c[1]) << 16, code(c[2]) | code(c[3]) << 16]));
+            }
         }
         at
     });
     let wrap = |w: Wrap| match w {
         Wrap::Repeat => 0,
         Wrap::Mirror => 1,
-        Wrap::Clamp => 2,
+        Wrap::Clamp | Wrap::Clip => 2,
     };
-    let is_wide = u32::from(matches!(image.texels, Texels::Rgba16(_)));
-    let mut w = vec![pixels_at, image.width, image.height, is_wide, u32::from(t.srgb), u32::from(t.linear)];
+    let is_wide = u32::from(!matches!(image.texels, Texels::Rgba8(_)));
+    let mut w = vec![
+        pixels_at,
+        image.width,
+        image.height,
+        is_wide,
+        u32::from(t.srgb && !matches!(image.texels, Texels::RgbaF32(_))),
+        u32::from(t.linear),
+    ];
     w.extend(t.wrap.map(wrap));
     w.extend(t.uv_transform.as_flattened().iter().map(|v| v.to_bits()));
     append(words, w)

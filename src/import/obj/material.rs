@@ -159,6 +159,7 @@ fn texel(i: &MaterialImage, k: usize) -> [f32; 4] {
     match &i.texels {
         Texels::Rgba8(list) => list[k].map(|v| f32::from(v) / 255.0),
         Texels::Rgba16(list) => list[k].map(|v| f32::from(v) / 65535.0),
+        Texels::RgbaF32(list) => list[k],
     }
 }
 
