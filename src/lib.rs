@@ -28,4 +28,5 @@ pub mod backend; // rank 9
 
 pub mod compare; // rank 10
 
-pub mod job; // rank 11
+pub mod job;
+pub mod suite; // rank 11

@@ -5,6 +5,7 @@
 //! difference image in `target/pictures/`.
 
 use image::RgbImage;
+use rayloom::suite::{Case, Suite};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -22,27 +23,6 @@ fn root() -> PathBuf {
 
 /// POV-Ray's fonts, which text wants: Debian's povray-includes.
 const INCLUDES: &str = "/usr/share/povray-3.7/include";
-
-/// Whether a scene needs what is not installed here; `test.sh` installs it where it may.
-fn is_left_out(name: &str) -> bool {
-    name.starts_with("objects/text") && !Path::new(INCLUDES).is_dir()
-}
-
-fn scene_names() -> Vec<String> {
-    let dir = root().join("tests/scenes");
-    let mut names = Vec::new();
-    for area in std::fs::read_dir(&dir).expect("tests/scenes") {
-        let area = area.expect("a readable folder").path();
-        for scene in std::fs::read_dir(&area).expect("a folder of scenes") {
-            let path = scene.expect("a readable folder").path();
-            if path.extension().is_some_and(|e| e == "pov") {
-                names.push(path.strip_prefix(&dir).expect("inside").with_extension("").display().to_string());
-            }
-        }
-    }
-    names.sort();
-    names
-}
 
 /// Share of near pixels, or why the pictures cannot be compared.
 fn share_within(a: &RgbImage, b: &RgbImage) -> Result<f64, String> {
@@ -64,16 +44,14 @@ fn load(path: &Path) -> Result<RgbImage, String> {
     image::open(path).map(|i| i.to_rgb8()).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-fn check(name: &str, out_dir: &Path) -> Result<f64, String> {
-    let scenes = root().join("tests/scenes");
-    let text = std::fs::read_to_string(scenes.join(format!("{name}.pov"))).map_err(|e| e.to_string())?;
-    let options = text.lines().find_map(|l| l.strip_prefix("// options: ")).unwrap_or("");
+fn check(case: &Case, out_dir: &Path) -> Result<f64, String> {
+    let name = &case.name;
     let flat = name.replace('/', "-");
     let out = out_dir.join(format!("{flat}.png"));
     let run = Command::new(env!("CARGO_BIN_EXE_rayloom"))
         .args([
             "povray",
-            &format!("+I{name}.pov"),
+            &format!("+I{}", case.scene.display()),
             &format!("+O{}", out.display()),
             "+W128",
             "+H96",
@@ -85,8 +63,8 @@ fn check(name: &str, out_dir: &Path) -> Result<f64, String> {
             "Backend=cpu",
         ])
         .arg(format!("+L{INCLUDES}"))
-        .args(options.split_whitespace())
-        .current_dir(&scenes)
+        .args(case.file.options.split_whitespace())
+        .current_dir(&case.folder)
         .output()
         .map_err(|e| e.to_string())?;
     if !run.status.success() {
@@ -107,21 +85,23 @@ fn check(name: &str, out_dir: &Path) -> Result<f64, String> {
 fn our_pictures_agree_with_povrays() {
     let out_dir = root().join("target/pictures");
     std::fs::create_dir_all(&out_dir).expect("a writable target folder");
-    let (left_out, names): (Vec<String>, Vec<String>) = scene_names().into_iter().partition(|n| is_left_out(n));
-    assert!(names.len() > 100, "only {} scenes found", names.len());
-    left_out.iter().for_each(|n| println!("left out: {n} (no {INCLUDES})"));
-    let bad: Vec<String> = names
+    let suite = Suite::open(&root().join("tests/scenes")).expect("a suite");
+    let asked = |c: &&Case| c.file.references.iter().any(|r| r == "povray");
+    let (left_out, cases): (Vec<&Case>, Vec<&Case>) = suite.cases.iter().filter(asked).partition(|c| suite.missing_need(c).is_some());
+    left_out.iter().for_each(|c| println!("left out: {}", c.name));
+    let bad: Vec<String> = cases
         .par_iter()
-        .filter_map(|name| {
+        .filter_map(|case| {
+            let name = &case.name;
             let known = KNOWN_FAILURES.iter().find(|(n, _)| n == name);
-            match (check(name, &out_dir), known) {
+            match (check(case, &out_dir), known) {
                 (Ok(_), None) | (Err(_), Some(_)) => None,
                 (Ok(_), Some(_)) => Some(format!("{name}: agrees now; take it off KNOWN_FAILURES")),
                 (Err(e), None) => Some(format!("{name}: {e}")),
             }
         })
         .collect();
-    assert!(bad.is_empty(), "{} of {} scenes differ (see {}):\n{}", bad.len(), names.len(), out_dir.display(), bad.join("\n"));
+    assert!(bad.is_empty(), "{} of {} scenes differ (see {}):\n{}", bad.len(), cases.len(), out_dir.display(), bad.join("\n"));
 }
 
 #[test]

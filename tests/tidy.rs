@@ -20,6 +20,7 @@ const RANKS: &[(&str, u8)] = &[
     ("backend", 9),
     ("compare", 10),
     ("job", 11),
+    ("suite", 11),
 ];
 
 fn root() -> PathBuf {
@@ -136,16 +137,8 @@ fn nothing_is_left_unfinished_in_the_code() {
 }
 
 #[test]
-fn every_reference_picture_has_its_scene_and_every_scene_its_reference() {
-    let scenes = root().join("tests/scenes");
-    let references = root().join("references/povray-3.7.0.10");
-    let stems = |dir: &Path, ext: &str| {
-        let mut paths = Vec::new();
-        files_under(dir, ext, &mut paths);
-        let mut names: Vec<String> =
-            paths.iter().map(|p| p.strip_prefix(dir).expect("inside").with_extension("").display().to_string()).collect();
-        names.sort();
-        names
-    };
-    assert_eq!(stems(&scenes, "pov"), stems(&references, "png"), "run tests/update_references.sh, or remove what is unused");
+fn every_reference_has_its_case_and_every_scene_is_one() {
+    let suite = rayloom::suite::Suite::open(&root().join("tests/scenes")).expect("a suite");
+    assert_eq!(suite.loose, Vec::<String>::new(), "scenes without a test.toml");
+    assert_eq!(suite.unused_references().expect("readable references"), Vec::<String>::new(), "references that no case asks for");
 }

@@ -4,9 +4,9 @@
 set -eu
 cd "$(dirname "$0")/scenes"
 out=$PWD/../../references/povray-3.7.0.10
-for f in ${*:-$(find . -name '*.pov' | sort)}; do
-  f=${f#./}; f=${f%.pov}
-  opts=$(sed -n 's|^// options: ||p' "$f.pov" | head -1)
+for f in ${*:-$(find . -name 'scene.pov' -printf '%h\n' | sort)}; do
+  f=${f#./}
+  opts=$(sed -n 's|^options = "\(.*\)"|\1|p' "$f/test.toml")
   mkdir -p "$out/$(dirname "$f")"
-  povray +I"$f.pov" +O"$out/$f.png" +W128 +H96 +FN -D -P +WT1 -A $opts >/dev/null 2>/tmp/povray.log || { echo "$f failed"; tail -5 /tmp/povray.log; exit 1; }
+  (cd "$f" && povray +Iscene.pov +O"$out/$f.png" +W128 +H96 +FN -D -P +WT1 -A $opts) >/dev/null 2>/tmp/povray.log || { echo "$f failed"; tail -5 /tmp/povray.log; exit 1; }
 done

@@ -15,6 +15,7 @@ use rayloom::math::{DVec3, Rgbft, Vec3};
 use rayloom::scene::light::{Fade, LightKind};
 use rayloom::scene::material::{AlphaMode, MaterialImage, MaterialTexture, Texels, Wrap};
 use rayloom::scene::{Interior, Light, Mesh, Object, Principled, Scene, Shape, Texture};
+use rayloom::suite::{Case, Machine, Suite};
 use rayloom::world::DiskWorld;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -28,57 +29,6 @@ const SIZE: [u32; 2] = [128, 96];
 /// Debian's povray-includes; `test.sh` installs it where it may.
 const INCLUDES: &str = "/usr/share/povray-3.7/include";
 
-/// Scenes that the GPU declines, with a part of what it says; one that it renders must leave this list.
-const DECLINED: &[(&str, &str)] = &[
-    ("atmosphere/media", "media"),
-    ("atmosphere/rainbow", "rainbows"),
-    ("atmosphere/two_rainbows", "rainbows"),
-    ("camera/bokeh", "focal blur"),
-    ("camera/focal_blur", "focal blur"),
-    ("camera/focal_blur_angle", "focal blur"),
-    ("camera/focal_blur_scaled", "focal blur"),
-    ("camera/mesh_camera", "mesh cameras"),
-    ("camera/mesh_camera_grid", "mesh cameras"),
-    ("finish/dispersion", "dispersion"),
-    ("finish/fresnel", "reflection_exponent"),
-    ("lights/area", "area lights"),
-    ("lights/area_illumination", "area lights"),
-    ("lights/area_jitter_line", "area lights"),
-    ("lights/circular", "area lights"),
-    ("lights/orient", "area lights"),
-    ("lights/projected_through", "projected through"),
-    ("media/absorption_shadow", "media"),
-    ("media/emission_shadow", "media"),
-    ("media/method1_three_intervals", "media"),
-    ("media/method3_jitter", "media"),
-    ("media/scattering", "media"),
-    ("objects/blob", "blob"),
-    ("objects/cubic", "poly"),
-    ("objects/cubic_spline_lathe", "lathe"),
-    ("objects/height_field", "height_field"),
-    ("objects/height_field_smooth", "height_field"),
-    ("objects/isosurface", "isosurface"),
-    ("objects/isosurface_box", "isosurface"),
-    ("objects/julia_fractal", "julia_fractal"),
-    ("objects/lathe", "lathe"),
-    ("objects/ovus", "ovus"),
-    ("objects/parametric", "parametric"),
-    ("objects/poly", "poly"),
-    ("objects/polygon", "polygon"),
-    ("objects/prism", "prism"),
-    ("objects/quadric", "quadric"),
-    ("objects/quartic", "poly"),
-    ("objects/sor", "sor"),
-    ("objects/sphere_sweep", "sphere_sweep"),
-    ("objects/superellipsoid", "superellipsoid"),
-    ("objects/text", "text"),
-    ("objects/text_kerning", "text"),
-    ("radiosity/floor", "radiosity"),
-    ("radiosity/sphere_on_floor", "radiosity"),
-    ("textures/image_function_pigment", "moving eye points"),
-    ("textures/object_pattern", "object"),
-];
-
 fn gpu() -> Option<GpuBackend> {
     found(GpuBackend::new(&GpuOptions { accept_software: true, ..GpuOptions::default() }))
 }
@@ -87,11 +37,9 @@ fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/scenes")
 }
 
+/// `name` is a folder in the suite, or of a text that is not there.
 fn compile(name: &str, text: &str) -> CompiledScene {
-    let dir = folder();
-    let area = dir.join(name).parent().map(PathBuf::from).unwrap_or_default();
-    let library_paths = vec![area, PathBuf::from(INCLUDES)];
-    let world = DiskWorld { current_dir: dir, library_paths, ..DiskWorld::default() };
+    let world = DiskWorld { current_dir: folder().join(name), library_paths: vec![PathBuf::from(INCLUDES)], ..DiskWorld::default() };
     let (mut map, mut sink) = (SourceMap::default(), Sink::default());
     let options = LangOptions { width: SIZE[0], height: SIZE[1], ..LangOptions::default() };
     let parsed = parse_scene(&format!("{name}.pov"), text.as_bytes(), &world, &KernelQuery::new(), &options, &mut map, &mut sink);
@@ -135,26 +83,8 @@ fn save(film: &Film, name: &str) {
     let _ = picture.save(dir.join(format!("{}.png", name.replace('/', "-"))));
 }
 
-fn scene_names() -> Vec<String> {
-    let mut names = Vec::new();
-    for area in std::fs::read_dir(folder()).expect("tests/scenes") {
-        let area = area.expect("a readable folder").path();
-        for scene in std::fs::read_dir(&area).expect("a folder of scenes") {
-            let path = scene.expect("a readable folder").path();
-            if path.extension().is_some_and(|e| e == "pov") {
-                names.push(path.strip_prefix(folder()).expect("inside").with_extension("").display().to_string());
-            }
-        }
-    }
-    names.sort();
-    // Text wants POV-Ray's fonts.
-    names.retain(|n| !n.starts_with("objects/text") || std::path::Path::new(INCLUDES).is_dir());
-    names
-}
-
-/// What the scene's first line asks for, of antialiasing.
-fn antialias_of(text: &str) -> Option<Antialias> {
-    let options = text.lines().find_map(|l| l.strip_prefix("// options: "))?;
+/// What a case's options ask for, of antialiasing.
+fn antialias_of(options: &str) -> Option<Antialias> {
     let mut aa = Antialias { method: 1, threshold: 0.3, depth: 3, jitter: 0.0, gamma: 1.0 };
     let mut on = false;
     for word in options.split_whitespace() {
@@ -175,16 +105,23 @@ fn antialias_of(text: &str) -> Option<Antialias> {
 fn pictures_agree_with_the_cpus() {
     let Some(gpu) = gpu() else { return };
     let only = std::env::var("RAYLOOM_GPU_SCENE").unwrap_or_default();
-    let (mut bad, mut declined, mut n) = (Vec::new(), Vec::new(), 0);
-    for name in scene_names().iter().filter(|n| n.contains(&only)) {
-        let text = std::fs::read_to_string(folder().join(format!("{name}.pov"))).expect("a readable scene");
+    let (mut bad, mut n_declined, mut n) = (Vec::new(), 0, 0);
+    let suite = Suite::open(&folder()).expect("a suite");
+    let asked = |c: &&Case| c.name.contains(&only) && c.is_povray() && suite.missing_need(c).is_none();
+    for case in suite.cases.iter().filter(asked).filter(|c| suite.machines(c).contains(&Machine::Gpu)) {
+        let name = &case.name;
+        let text = std::fs::read_to_string(case.folder.join(&case.scene)).expect("a readable scene");
         let scene = compile(name, &text);
-        let settings = settings(antialias_of(&text));
+        let settings = RenderSettings { width: case.size[0], height: case.size[1], ..settings(antialias_of(&case.file.options)) };
         let start = std::time::Instant::now();
         let ours = match render(&gpu, &scene, &settings) {
             Ok(film) => film,
             Err(BackendError::Unsupported(what)) => {
-                declined.push((name.clone(), what));
+                println!("declined {name}: {what}");
+                n_declined += 1;
+                if !case.file.gpu.as_ref().is_some_and(|g| what.contains(&g.declines)) {
+                    bad.push(format!("{name}: declined ({what}), which its test.toml does not say"));
+                }
                 continue;
             }
             Err(e) => {
@@ -193,6 +130,9 @@ fn pictures_agree_with_the_cpus() {
             }
         };
         let seconds = start.elapsed().as_secs_f64();
+        if case.file.gpu.is_some() {
+            bad.push(format!("{name}: rendered now; take [gpu] declines out of its test.toml"));
+        }
         let gold = render(&CpuBackend::new(2), &scene, &settings).expect("the CPU renders everything");
         let share = share_within(&ours, &gold);
         n += 1;
@@ -203,16 +143,7 @@ fn pictures_agree_with_the_cpus() {
             bad.push(format!("{name}: {:.2} %", 100.0 * share));
         }
     }
-    println!("{n} rendered, {} declined", declined.len());
-    for (name, what) in &declined {
-        println!("declined {name}: {what}");
-        if !DECLINED.iter().any(|(n, part)| n == name && what.contains(part)) {
-            bad.push(format!("{name}: declined ({what}), which is not foreseen"));
-        }
-    }
-    for (name, _) in DECLINED.iter().filter(|(n, _)| n.contains(&only) && !declined.iter().any(|(d, _)| d == n)) {
-        bad.push(format!("{name}: rendered now; take it off DECLINED"));
-    }
+    println!("{n} rendered, {n_declined} declined");
     assert!(bad.is_empty(), "{} scenes differ (see target/gpu):\n{}", bad.len(), bad.join("\n"));
 }
 
