@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A depsgraph → one file. The order: world, then everything that is shown, then where it is at the other moments of the shutter."""
+
+import numpy as np
+
+from ..core.glb import Gltf
+from ..core.schema import NAME, VERSION
+from . import hair, instance, light, material, mesh
+from .camera import camera_record
+from .image import Images
+from .settings import render_record
+from .world import world_record
+
+# Takes Blender's axes (z up) to glTF's (y up): -90 degrees about x.
+_ROOT_ROTATION = [-0.7071067811865476, 0.0, 0.0, 0.7071067811865476]
+
+
+class Log:
+    """What could not be carried: (object, what), each once, in order."""
+
+    def __init__(self):
+        self.entries = []
+
+    def __call__(self, owner, what):
+        if (owner, what) not in self.entries:
+            self.entries.append((owner, what))
+
+
+class Exporter:
+    """One export. `keep`: folder of buffers that outlive the frame (core/glb.py)."""
+
+    def __init__(self, depsgraph, generator, keep=None, log=None):
+        self.depsgraph = depsgraph
+        self.scene = depsgraph.scene
+        self.view_layer = depsgraph.view_layer
+        self.log = log or Log()
+        self.gltf = Gltf(generator, keep)
+        self.images = Images(self.gltf)
+        self.lights, self.curves, self.grids = [], [], []
+        self.nodes = []  # (node index, key), for motion
+        self._meshes, self._materials, self._lights, self._curves = {}, {}, {}, {}
+        self._deforming = {}
+        self._reported = set()
+        self._camera_node = None
+
+    def export(self, path, frame_set=None):
+        """Writes the file. `frame_set(frame, subframe)` moves time, for motion blur; without it nothing moves."""
+        gltf = self.gltf
+        gltf.use_extension(NAME)
+        gltf.document["scene"] = 0
+        root = gltf.append("nodes", {"name": "Blender", "rotation": _ROOT_ROTATION})
+        gltf.append("scenes", {"name": self.scene.name, "nodes": [root]})
+        extension = {"version": VERSION, "generator": gltf.document["asset"]["generator"], "root": root}
+        extension["render"] = render_record(self.scene, self.view_layer)
+        extension["world"] = world_record(self.scene.world, self.images, self.log)
+        for shown in instance.walk(self.depsgraph):
+            try:
+                self._place(shown)
+            except (ValueError, TypeError, AttributeError, RuntimeError) as e:
+                self.log(f"Object '{shown.obj.name}'", f"it could not be exported: {e}")
+        self._camera()
+        if self.scene.render.use_motion_blur and frame_set is not None:
+            self._motion(frame_set)
+        children = [n for n, _ in self.nodes]
+        if children:
+            gltf.document["nodes"][root]["children"] = children
+        if self._camera_node is not None:
+            extension["camera"] = self._camera_node
+        for key, rows in (("lights", self.lights), ("images", self.images.records), ("curves", self.curves), ("grids", self.grids)):
+            if rows:
+                extension[key] = rows
+        if self.log.entries:
+            extension["ignored"] = [{"object": o, "what": w} for o, w in self.log.entries]
+        gltf.document.setdefault("extensions", {})[NAME] = extension
+        gltf.write(path)
+        return path
+
+    def _node(self, shown, record, extension):
+        own = instance.switches(shown.obj, self.view_layer)
+        own.update(extension)
+        record = {"name": shown.obj.name, "matrix": instance.column_major(shown.matrix), **record}
+        if shown.key[3]:
+            own["random"] = shown.random
+        if own:
+            record.setdefault("extensions", {})[NAME] = own
+        ix = self.gltf.append("nodes", record)
+        self.nodes.append((ix, shown.key))
+        return ix
+
+    def _place(self, shown):
+        obj = shown.obj
+        if obj.type in instance.MESHES:
+            self._place_mesh(shown)
+        elif obj.type == "LIGHT":
+            self._place_light(shown)
+        elif obj.type == "CURVES":
+            self._place_curves(shown)
+        elif obj.type in {"VOLUME", "POINTCLOUD", "GREASEPENCIL", "GPENCIL"} and obj.name not in self._reported:
+            self._reported.add(obj.name)
+            self.log(f"Object '{obj.name}'", f"objects of type {obj.type.title()} are left out")
+
+    def _place_mesh(self, shown):
+        obj = shown.obj
+        slots = tuple(s.material.original.name_full if s.material else None for s in obj.material_slots)
+        own = obj.type == "MESH" and obj.data is not None
+        key = (obj.data.as_pointer() if own else obj.original.as_pointer(), slots)
+        if key not in self._meshes:
+            self._meshes[key] = None
+            data = obj.data if own else obj.to_mesh()
+            try:
+                if data is not None:
+                    self._meshes[key] = self._mesh(obj, data, shown.matrix)
+            finally:
+                if not own:
+                    obj.to_mesh_clear()
+        made = self._meshes[key]
+        if made is not None:
+            self._node(shown, {"mesh": made}, {})
+        for k, modifier in enumerate(m for m in obj.modifiers if m.type == "PARTICLE_SYSTEM"):
+            if modifier.particle_system.settings.type == "HAIR" and modifier.particle_system.settings.render_type == "PATH":
+                self._place_particle_hair(shown, modifier, k)
+
+    def _mesh(self, obj, data, matrix):
+        materials = [self._material(s.material, obj, data, matrix) for s in obj.material_slots]
+        written = mesh.write_mesh(self.gltf, data, materials, obj.data.name if obj.data else obj.name)
+        if written is None:
+            return None
+        ix, layout = written
+        if obj.type == "MESH" and _deforms(obj):
+            self._deforming[obj.original.name_full] = (ix, layout["source_vertex"], len(data.vertices))
+        return ix
+
+    def _material(self, mat, obj, data, matrix):
+        if mat is None:
+            return None
+        name = mat.original.name_full
+        uv_names = tuple(layer.name for layer in mesh.ordered_uvs(data)) if data else ()
+        color_names = tuple(a.name for a in mesh.ordered_colors(data)) if data else ()
+        layers = (uv_names, color_names)
+        for key in ((name,), (name, layers), (name, layers, obj.original.name_full)):
+            if key in self._materials:
+                return self._materials[key]
+        around = material.Surroundings(self.gltf, self.images, self.grids, mat.name, data, matrix)
+        record, names_layers = material.material_record(mat, around, self.images, uv_names, color_names, self.log)
+        key = (name, layers, obj.original.name_full) if around.used else (name, layers) if names_layers else (name,)
+        self._materials[key] = self.gltf.append("materials", record)
+        return self._materials[key]
+
+    def _place_light(self, shown):
+        data = shown.obj.data
+        key = data.as_pointer()
+        if key not in self._lights:
+            record = light.light_record(data, self.log)
+            self.lights.append(record)
+            punctual = light.punctual_record(record)
+            plain = None
+            if punctual:
+                self.gltf.use_extension("KHR_lights_punctual")
+                table = self.gltf.document.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})
+                table["lights"].append(punctual)
+                plain = len(table["lights"]) - 1
+            self._lights[key] = (len(self.lights) - 1, plain)
+        ix, plain = self._lights[key]
+        record = {"extensions": {"KHR_lights_punctual": {"light": plain}}} if plain is not None else {}
+        self._node(shown, record, {"light": ix})
+
+    def _place_curves(self, shown):
+        obj = shown.obj
+        key = obj.data.as_pointer()
+        if key not in self._curves:
+            record = hair.curves_record(self.gltf, obj.data)
+            self._curves[key] = self._finish_curves(record, obj, shown.matrix, 0)
+        if self._curves[key] is not None:
+            self._node(shown, {}, {"curves": self._curves[key]})
+
+    def _place_particle_hair(self, shown, modifier, k):
+        key = (shown.obj.original.name_full, "hair", k)
+        if key not in self._curves:
+            record = hair.particle_hair_record(self.gltf, shown.obj, modifier.particle_system, modifier)
+            slot = max(0, modifier.particle_system.settings.material - 1)
+            self._curves[key] = self._finish_curves(record, shown.obj, shown.matrix, slot)
+            if self._curves[key] is not None:
+                record = {"name": f"{shown.obj.name} hair", "extensions": {NAME: {"curves": self._curves[key]}}}
+                self.nodes.append((self.gltf.append("nodes", record), None))
+
+    def _finish_curves(self, record, obj, matrix, slot):
+        if record is None:
+            return None
+        slots = obj.material_slots
+        if slots:
+            made = self._material(slots[min(slot, len(slots) - 1)].material, obj, None, matrix)
+            if made is not None:
+                record["material"] = made
+        self.curves.append(record)
+        return len(self.curves) - 1
+
+    def _camera(self):
+        camera = self.scene.camera
+        if camera is None or camera.type != "CAMERA":
+            return
+        evaluated = camera.evaluated_get(self.depsgraph)
+        world = evaluated.matrix_world.copy()
+        ix = self.gltf.append("cameras", camera_record(evaluated.data, world, self.scene.render))
+        record = {"name": camera.name, "camera": ix, "matrix": instance.column_major(world)}
+        self._camera_node = self.gltf.append("nodes", record)
+        self.nodes.append((self._camera_node, "camera"))
+
+    def _motion(self, frame_set):
+        """Matrices and deformed vertices at the shutter's open, middle and close."""
+        render = self.gltf.document  # filled so far; only nodes and primitives are added to
+        shutter = self.scene.render.motion_blur_shutter
+        position = getattr(self.scene.render, "motion_blur_position", "CENTER")
+        start = {"START": 0.0, "CENTER": -shutter / 2.0, "END": -shutter}[position]
+        times = [start, start + shutter / 2.0, start + shutter]
+        frame = self.scene.frame_current
+        moments, vertices = [], []
+        for t in times:
+            at = frame + t
+            frame_set(int(np.floor(at)), float(at - np.floor(at)))
+            moments.append(self._places())
+            vertices.append(self._vertices())
+        frame_set(frame, 0.0)
+        for ix, key in self.nodes:
+            matrices = [m.get(key) for m in moments]
+            if key is None or any(m is None for m in matrices):
+                continue
+            if all(m == matrices[1] for m in matrices):
+                continue
+            array = np.array([instance.column_major(m) for m in matrices], np.float32)
+            motion = {"times": times, "matrices": self.gltf.accessor(array)}
+            render["nodes"][ix].setdefault("extensions", {}).setdefault(NAME, {})["motion"] = motion
+        for name, (ix, source_vertex, _) in self._deforming.items():
+            steps = [v.get(name) for v in vertices]
+            if any(s is None for s in steps):
+                self.log(f"Object '{name}'", "its vertices change in number: it is not blurred")
+            elif any((s != steps[1]).any() for s in steps):
+                mesh.write_motion(self.gltf, ix, times, [s[source_vertex] for s in steps])
+
+    def _places(self):
+        places = {shown.key: shown.matrix for shown in instance.walk(self.depsgraph)}
+        camera = self.scene.camera
+        if camera is not None:
+            places["camera"] = camera.evaluated_get(self.depsgraph).matrix_world.copy()
+        return places
+
+    def _vertices(self):
+        """Vertices of all deforming meshes, by object."""
+        out = {}
+        for shown in instance.walk(self.depsgraph):
+            name = shown.obj.original.name_full
+            if name in self._deforming and name not in out and shown.obj.type == "MESH":
+                if len(shown.obj.data.vertices) == self._deforming[name][2]:
+                    out[name] = mesh.positions_of(shown.obj.data)
+        return out
+
+
+def _deforms(obj):
+    """Whether an object's vertices may move in time."""
+    original = obj.original
+    keys = original.data.shape_keys if hasattr(original.data, "shape_keys") else None
+    return bool(keys) or any(m.show_render for m in original.modifiers)

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes values that the renderer does not evaluate: over UV to a picture, inside a body to a grid, else to their mean."""
+
+import numpy as np
+
+from .evaluate import Evaluator, Unknown, affine, as_number
+from .lower import reachable
+
+# Texels along the longer side of a baked picture; cells along a grid's longest side. Picked by feel.
+PICTURE_SIZE = 1024
+GRID_SIZE = 160
+# Most checker cells that become texels one by one.
+MAX_CELLS = 4096
+
+
+def linear_to_srgb(v):
+    """Encodes sRGB."""
+    v = np.clip(v, 0.0, 1.0)
+    return np.where(v <= 0.0031308, 12.92 * v, 1.055 * np.maximum(v, 1e-9) ** (1.0 / 2.4) - 0.055)
+
+
+class Baker:
+    """Bakes for one object.
+
+    `surroundings` has `uv_box(set)` → ((u0, v0), (u1, v1)) or `None`; `body()` → (low, high) corners in object space or `None`;
+    `points(source, p)` → coordinates of a source at object space points (n, 3); `image(index)` → linear RGBA; `add_picture(pixels, is_color)`
+    and `add_grid(values, low, high)` → indices.
+    """
+
+    def __init__(self, surroundings):
+        self.at = surroundings
+
+    def bake_surface(self, nodes, value, log, add):
+        """A picture node over UV, or the mean where the value depends on other things."""
+        used = [nodes[k] for k in reachable(nodes, value)]
+        where = [n["coordinates"] for n in used if isinstance(n.get("coordinates"), dict) and "source" in n["coordinates"]]
+        sets = {w.get("uvSet", 0) for w in where if w["source"] == "uv"}
+        names = ", ".join(sorted({n["type"] for n in used if n["type"] not in {"vector", "separate", "combine", "math"}}))
+        box = self.at.uv_box(min(sets)) if len(sets) == 1 and all(w["source"] == "uv" for w in where) else None
+        try:
+            if box is not None:
+                return self._picture(nodes, value, used, min(sets), box, add, log, names)
+            return self._mean(nodes, value, log, names)
+        except Unknown as e:
+            log(f"'{e}' is not evaluated; a mid grey is taken for it ({names})")
+            return 0.5
+
+    def _picture(self, nodes, value, used, uv_set, box, add, log, names):
+        (u0, v0), (u1, v1) = box
+        grid = _checker_lattice(used, box)
+        if grid:
+            (u0, v0), (u1, v1), (width, height) = grid
+        else:
+            span = max(u1 - u0, v1 - v0, 1e-6)
+            width, height = (max(2, round(PICTURE_SIZE * s / span)) for s in (u1 - u0, v1 - v0))
+        u = u0 + (np.arange(width) + 0.5) / width * (u1 - u0)
+        v = v1 - (np.arange(height) + 0.5) / height * (v1 - v0)
+        p = np.stack([*(a.ravel() for a in np.meshgrid(u, v)), np.zeros(width * height)], axis=-1)
+
+        def points(source, _):
+            if source != "uv":
+                raise Unknown(f"coordinates of source {source}")
+            return p
+
+        out = np.asarray(Evaluator(nodes, points, self.at.image).value(value), np.float32)
+        is_color = out.ndim == 2
+        out = np.broadcast_to(out if is_color else out[:, None], (width * height, 3)).reshape(height, width, 3)
+        if not grid:
+            log(f"baked to a picture of {width} x {height} over UV: {names}")
+        record = {
+            "type": "image",
+            "image": self.at.add_picture(out, is_color),
+            "coordinates": {"source": "uv"},
+            "interpolation": "closest" if grid else "linear",
+            "extension": "extend",
+        }
+        if uv_set:
+            record["coordinates"]["uvSet"] = uv_set
+        if (u0, v0, u1, v1) != (0.0, 0.0, 1.0, 1.0):
+            su, sv = 1.0 / (u1 - u0), 1.0 / (v1 - v0)
+            record["coordinates"]["affine"] = [su, 0, 0, -u0 * su, 0, sv, 0, -v0 * sv, 0, 0, 1, 0]
+        link = {"node": add(record), "output": "color"}
+        if not is_color:
+            link = {"node": add({"type": "separate", "color": link}), "output": "x"}
+        return link
+
+    def _mean(self, nodes, value, log, names):
+        """The mean over the body's box."""
+        body = self.at.body()
+        if body is None:
+            raise Unknown(names)
+        out = self._inside(nodes, value, body, (16, 16, 16))
+        log(f"varies with the place, not with UV; its mean is taken: {names}")
+        mean = out.reshape(-1, out.shape[-1]).mean(axis=0) if out.ndim == 2 else out.mean()
+        return float(mean) if np.ndim(mean) == 0 else [float(v) for v in mean]
+
+    def _inside(self, nodes, value, body, resolution):
+        low, high = body
+        axes = [low[k] + (np.arange(n) + 0.5) / n * (high[k] - low[k]) for k, n in enumerate(resolution)]
+        z, y, x = np.meshgrid(axes[2], axes[1], axes[0], indexing="ij")
+        p = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=-1)
+        return np.asarray(Evaluator(nodes, lambda source, _: self.at.points(source, p), self.at.image).value(value), np.float32)
+
+    def bake_volume(self, nodes, value, as_grid, log, add):
+        """A grid of densities inside the body, or the mean."""
+        names = ", ".join(sorted({nodes[k]["type"] for k in reachable(nodes, value)}))
+        body = self.at.body()
+        try:
+            if body is None:
+                raise Unknown(names)
+            if not as_grid:
+                out = self._inside(nodes, value, body, (32, 32, 32))
+                mean = out.mean(axis=0)
+                return float(mean) if np.ndim(mean) == 0 else [float(v) for v in mean]
+            size = np.maximum(np.asarray(body[1]) - body[0], 1e-6)
+            resolution = np.maximum(1, np.round(GRID_SIZE * size / size.max())).astype(int)
+            n = int(np.prod(resolution))
+            values = np.broadcast_to(as_number(self._inside(nodes, value, body, resolution)), (n,))
+        except Unknown as e:
+            log(f"'{e}' is not evaluated inside a volume; a density of 1 is taken ({names})")
+            return 1.0
+        log(f"baked to a grid of {' x '.join(map(str, resolution))}: {names}")
+        grid = self.at.add_grid(np.ascontiguousarray(values, np.float32), resolution, body)
+        return {"node": add({"type": "grid", "grid": grid})}
+
+
+def _checker_lattice(used, box):
+    """Box and size of a picture whose texels are the checker's cells; `None` where the value is more than checkers along u and v."""
+    textures = [n for n in used if "coordinates" in n]
+    if not textures or any(n["type"] != "checker" or not isinstance(n["scale"], float) for n in textures):
+        return None
+    wheres = {repr((n["coordinates"], n["scale"])) for n in textures}
+    if len(wheres) != 1:
+        return None
+    scale, where = textures[0]["scale"], textures[0]["coordinates"]
+    ends = np.array([[*box[0], 0.0], [*box[1], 0.0]])
+    if "affine" in where:
+        rows = np.asarray(where["affine"]).reshape(3, 4)
+        if rows[0, 1] or rows[1, 0] or rows[2, 0] or rows[2, 1]:
+            return None
+        moved = affine(where["affine"], ends)
+        slope, shift = rows[[0, 1], [0, 1]], rows[[0, 1], 3]
+    else:
+        moved, slope, shift = ends, np.ones(2), np.zeros(2)
+    if scale <= 0.0 or (slope <= 0.0).any():
+        return None
+    cells = moved[:, :2] * scale
+    first, last = np.floor(cells[0] + 1e-4), np.ceil(cells[1] - 1e-4)
+    size = (last - first).astype(int)
+    if (size < 1).any() or (size > MAX_CELLS).any():
+        return None
+    low, high = ((edge / scale - shift) / slope for edge in (first, last))
+    return tuple(map(float, low)), tuple(map(float, high)), tuple(map(int, size))
