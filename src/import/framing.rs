@@ -25,7 +25,8 @@ pub(super) fn complete(imported: &mut Imported, options: &ImportOptions, sink: &
         scene.camera = framing_camera(&outline(scene), options.aspect);
         sink.note_once("import: no camera", None, "the file has no camera; the view frames all that it holds");
     }
-    if scene.lights.is_empty() && !scene.objects.iter().any(shines) {
+    // A file that says what lies behind everything means the dark where it says black.
+    if scene.environment.is_none() && scene.lights.is_empty() && !scene.objects.iter().any(shines) {
         add_default_light(scene);
         let message = "the file has neither lamps nor shining surfaces; it is lit from over the viewer's shoulder under a grey sky";
         sink.note_once("import: no light", None, message);

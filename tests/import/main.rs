@@ -4,4 +4,5 @@ mod broken;
 mod files;
 mod gltf;
 mod obj;
+mod rayloom;
 mod shading;

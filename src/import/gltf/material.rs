@@ -23,17 +23,20 @@ pub(super) struct Cover {
     pub interior: Option<Arc<Interior>>,
     /// Set of texture coordinates that its pictures use.
     pub uv_set: u32,
+    /// Its pictures say their sets themselves: the mesh keeps all of them.
+    pub all_uvs: bool,
 }
 
-/// All materials of a file; the last is the one of primitives that name none.
-pub(super) fn covers(doc: &Document, sink: &mut Sink) -> Result<Vec<Cover>, ImportError> {
-    let images = images(doc, sink)?;
+/// All materials of a file; the last is the one of primitives that name none. `decode`: their pictures are wanted; else each material is
+/// going to be replaced.
+pub(super) fn covers(doc: &Document, decode: bool, sink: &mut Sink) -> Result<Vec<Cover>, ImportError> {
+    let images = if decode { images(doc, sink)? } else { vec![None; doc.root.images.len()] };
     let records = doc.root.materials.iter().enumerate();
     let read = records.map(|(ix, record)| Reader { doc, images: &images, ix, uv_set: None, sink: &mut *sink }.cover(record));
     let mut covers = read.collect::<Result<Vec<_>, _>>()?;
     // glTF's own default is a rough white metal; without a material Blender and its users see plain grey.
     let plain = Texture::Principled(Box::new(plain_material()));
-    covers.push(Cover { texture: Arc::new(plain), interior: None, uv_set: 0 });
+    covers.push(Cover { texture: Arc::new(plain), interior: None, uv_set: 0, all_uvs: false });
     Ok(covers)
 }
 
@@ -66,7 +69,8 @@ fn label(doc: &Document, ix: usize) -> String {
     image.name.as_deref().or(uri).map_or(ix.to_string(), |n| format!("'{n}'"))
 }
 
-fn image_bytes(doc: &Document, ix: usize) -> Result<Vec<u8>, String> {
+/// Bytes of an image's file.
+pub(super) fn image_bytes(doc: &Document, ix: usize) -> Result<Vec<u8>, String> {
     let image = &doc.root.images[ix];
     match (&image.uri, &image.buffer_view) {
         (Some(uri), _) => match files::resolve(doc.path, uri)? {
@@ -137,7 +141,7 @@ impl Reader<'_> {
             interior = None;
         }
         let uv_set = self.uv_set.unwrap_or(0);
-        Ok(Cover { texture: Arc::new(Texture::Principled(Box::new(p))), interior: interior.map(Arc::new), uv_set })
+        Ok(Cover { texture: Arc::new(Texture::Principled(Box::new(p))), interior: interior.map(Arc::new), uv_set, all_uvs: false })
     }
 
     fn extensions(&mut self, e: &json::extensions::material::Material, p: &mut Principled) -> Result<(), ImportError> {

@@ -3,9 +3,11 @@
 use super::super::ImportError;
 use super::Document;
 use super::accessor::Accessor;
+use super::rayloom::{Extension, vertex_motion};
 use crate::diag::Sink;
 use crate::math::Vec3;
 use crate::scene::Mesh;
+use crate::scene::shape::UvSet;
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 
@@ -27,14 +29,24 @@ impl Budget {
     }
 }
 
-/// The triangles of a primitive; `None` for points, lines and what has no faces left. `uv_set` is the material's set of coordinates,
-/// `weights` those of morph targets.
+/// What of a primitive is wanted.
+pub(super) struct Wanted<'a, 'd> {
+    /// The material's set of coordinates.
+    pub uv_set: u32,
+    /// The sets after the first, too.
+    pub all_uvs: bool,
+    /// Of morph targets.
+    pub weights: &'a [f32],
+    /// Knows of motion.
+    pub extension: Option<&'a Extension<'d>>,
+}
+
+/// The triangles of a primitive; `None` for points, lines and what has no faces left.
 pub(super) fn triangles(
     doc: &Document,
     primitive: &Primitive,
     place: &dyn Fn() -> String,
-    uv_set: u32,
-    weights: &[f32],
+    wanted: &Wanted,
     budget: &mut Budget,
     sink: &mut Sink,
 ) -> Result<Option<Mesh>, ImportError> {
@@ -98,16 +110,25 @@ pub(super) fn triangles(
         Some(a) => gathered(&a, used, 0.0).into_iter().map(|n| Vec3::from_array(n).try_normalize().unwrap_or(Vec3::ZERO)).collect(),
         None => Vec::new(),
     };
-    morph(doc, primitive, place, weights, used, &mut vertices, &mut normals)?;
+    morph(doc, primitive, place, wanted.weights, used, &mut vertices, &mut normals)?;
     if let Some(bad) = vertices.iter().position(|v| !v.is_finite()) {
         let v = vertices[bad];
         let vertex = used.map_or(bad, |u| u[bad] as usize);
         return Err(ImportError::NotFinite { path: doc.path.to_owned(), place: place(), vertex, x: v.x, y: v.y, z: v.z });
     }
-    let uvs: Vec<[f32; 2]> = match same_count(Semantic::TexCoords(uv_set), &[2])? {
-        Some(a) => {
-            gathered(&a, used, 0.0).into_iter().map(|c: [f32; 2]| if c.iter().all(|v| v.is_finite()) { c } else { [0.0; 2] }).collect()
-        }
+    let finite = |c: [f32; 2]| if c.iter().all(|v| v.is_finite()) { c } else { [0.0; 2] };
+    let uv_set = |set: u32| -> Result<Option<Vec<[f32; 2]>>, ImportError> {
+        Ok(same_count(Semantic::TexCoords(set), &[2])?.map(|a| gathered(&a, used, 0.0).into_iter().map(finite).collect()))
+    };
+    let uvs = uv_set(wanted.uv_set)?.unwrap_or_default();
+    let mut more_uvs = Vec::new();
+    while wanted.all_uvs
+        && let Some(uvs) = uv_set(more_uvs.len() as u32 + 1)?
+    {
+        more_uvs.push(uvs);
+    }
+    let motion = match wanted.extension {
+        Some(e) => vertex_motion(e, primitive, place, used, vertices.len(), sink)?,
         None => Vec::new(),
     };
     let colors = match same_count(Semantic::Colors(0), &[3, 4])? {
@@ -121,6 +142,8 @@ pub(super) fn triangles(
     Ok(Some(Mesh {
         normal_indices: if normals.is_empty() { Vec::new() } else { faces.clone() },
         uv_indices: if uvs.is_empty() { Vec::new() } else { faces.clone() },
+        more_uvs: more_uvs.into_iter().map(|uvs| UvSet { uvs, indices: faces.clone() }).collect(),
+        motion,
         vertices,
         normals,
         uvs,

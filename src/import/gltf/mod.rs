@@ -8,6 +8,7 @@ mod light;
 mod material;
 mod mesh;
 mod nodes;
+mod rayloom;
 
 use super::files::{self, Target};
 use super::{ImportError, ImportOptions, Imported};
@@ -27,6 +28,7 @@ const SUPPORTED: &[&str] = &[
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    rayloom::NAME,
 ];
 
 /// A file with everything that its records point to.
@@ -72,7 +74,9 @@ pub(super) fn load(path: &Path, bytes: &[u8], options: &ImportOptions, sink: &mu
     if let Some(name) = root.extensions_required.iter().find(|e| !SUPPORTED.contains(&e.as_str())) {
         return Err(ImportError::RequiredExtension { path: path.to_owned(), name: name.clone() });
     }
-    for name in root.extensions_used.iter().filter(|e| !SUPPORTED.contains(&e.as_str())) {
+    // Beside the extension, glTF's own materials and lamps are the fallback that nobody sees.
+    let is_fallback = |e: &str| e.starts_with("KHR_materials_") && root.extensions_used.iter().any(|u| u == rayloom::NAME);
+    for name in root.extensions_used.iter().filter(|e| !SUPPORTED.contains(&e.as_str()) && !is_fallback(e)) {
         sink.note_once(&format!("gltf: {name}"), None, format!("the glTF extension {name} is left out"));
     }
     if !root.animations.is_empty() {

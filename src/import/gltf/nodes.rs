@@ -5,9 +5,11 @@ use super::Document;
 use super::camera::camera;
 use super::light::{Units, light};
 use super::material::{Cover, covers};
-use super::mesh::{Budget, MAX_VERTICES, triangles};
+use super::mesh::{Budget, MAX_VERTICES, Wanted, triangles};
+use super::rayloom::{self, Extension, NodeTraits};
 use crate::diag::Sink;
 use crate::math::{DAffine3, DMat3, DVec3, Transform};
+use crate::scene::object::PathTraits;
 use crate::scene::{Mesh, Object, Scene, Shape};
 use ::gltf::json;
 use glam::DQuat;
@@ -37,18 +39,29 @@ struct Builder<'a> {
     budget: Budget,
     scene: Scene,
     has_camera: bool,
+    /// What Blender's exporter says besides.
+    extension: Option<Extension<'a>>,
     sink: &'a mut Sink,
 }
 
 /// The file's scene: its default one, else its first, else all nodes without a parent.
 pub(super) fn scene(doc: &Document, options: &ImportOptions, sink: &mut Sink) -> Result<Imported, ImportError> {
-    let units = Units::of(doc.root.asset.generator.as_deref(), options.lumens_per_watt, sink);
-    let covers = covers(doc, sink)?;
+    let mut scene = Scene::default();
+    let mut extension = rayloom::extension(doc, &mut scene, sink)?;
+    // With the extension lamps say their watts; glTF's own are not asked.
+    let generator = doc.root.asset.generator.as_deref().filter(|_| extension.is_none());
+    let units = Units::of(generator, options.lumens_per_watt, sink);
+    let covered = |m: &json::Material| rayloom::part(m.extensions.as_ref().map(|e| &e.others)).is_some();
+    let all_replaced = extension.is_some() && doc.root.materials.iter().all(covered);
+    let mut covers = covers(doc, !all_replaced, sink)?;
+    if let Some(e) = &mut extension {
+        rayloom::shaders(e, &mut covers, sink)?;
+    }
     let budget = Budget { left: MAX_VERTICES };
     if doc.root.scenes.len() > 1 {
         sink.note_once("gltf: scenes", None, format!("the file has {} scenes; one is shown", doc.root.scenes.len()));
     }
-    let mut b = Builder { doc, options, units, covers, parts: Parts::new(), budget, scene: Scene::default(), has_camera: false, sink };
+    let mut b = Builder { doc, options, units, covers, parts: Parts::new(), budget, scene, has_camera: false, extension, sink };
     b.walk(roots(doc)?)?;
     Ok(Imported { scene: b.scene, has_camera: b.has_camera })
 }
@@ -94,7 +107,9 @@ impl Builder<'_> {
             if depth > MAX_DEPTH {
                 return Err(ImportError::TooDeep { path: path(), node: ix, limit: MAX_DEPTH });
             }
-            let world = parent * local(node);
+            // The root that turns Blender's axes to glTF's is left out: the scene stays in Blender's.
+            let turns_axes = self.extension.as_ref().is_some_and(|e| e.root == ix);
+            let world = if turns_axes { parent } else { parent * local(node) };
             if !world.is_finite() {
                 return Err(doc.invalid(format!("node {ix}"), "its transform is not finite"));
             }
@@ -105,44 +120,100 @@ impl Builder<'_> {
     }
 
     fn node(&mut self, ix: usize, node: &json::Node, world: &DAffine3) -> Result<(), ImportError> {
+        let others = node.extensions.as_ref().map(|e| &e.others);
+        let traits = match (&self.extension, rayloom::part(others)) {
+            (Some(e), Some(value)) => e.node(ix, value, self.sink)?,
+            _ => NodeTraits::default(),
+        };
         if let Some(mesh) = node.mesh {
             if node.skin.is_some() {
                 self.sink.note_once("gltf: skins", None, "skins are left out; meshes stand in their bind pose");
             }
-            self.instance(ix, mesh.value(), node, world)?;
+            self.instance(ix, mesh.value(), node, world, &traits)?;
         }
-        if let Some(l) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
+        if let (Some(e), Some(k)) = (&mut self.extension, traits.curves) {
+            let (curves, material) = e.curves(k, self.sink)?;
+            let cover = &self.covers[material.unwrap_or(self.covers.len() - 1)];
+            self.place(ix, node, world, &traits, [(Shape::Curves(curves), cover.clone())])?;
+        }
+        if let (Some(e), Some(k)) = (&self.extension, traits.light) {
+            self.scene.lights.extend(e.light(k, world, traits.visibility, self.sink)?);
+        } else if let Some(l) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
             self.scene.lights.push(light(self.doc, l.light.value(), world, self.units)?);
         }
         if let Some(c) = node.camera {
-            if self.has_camera {
-                self.sink.note_once("gltf: cameras", None, "the file has several cameras; the first one is used");
-            } else {
-                self.scene.camera = camera(self.doc, c.value(), world, self.options.aspect)?;
-                self.has_camera = true;
-            }
+            self.camera(ix, c.value(), world, &traits)?;
         }
         Ok(())
     }
 
-    fn instance(&mut self, node_ix: usize, mesh_ix: usize, node: &json::Node, world: &DAffine3) -> Result<(), ImportError> {
+    fn camera(&mut self, node: usize, ix: usize, world: &DAffine3, traits: &NodeTraits) -> Result<(), ImportError> {
+        let active = self.extension.as_ref().and_then(|e| e.camera);
+        if self.has_camera || active.is_some_and(|a| a != node) {
+            if active.is_none() {
+                self.sink.note_once("gltf: cameras", None, "the file has several cameras; the first one is used");
+            }
+            return Ok(());
+        }
+        let own = match &self.extension {
+            Some(_) => rayloom::camera(self.doc, ix, world, self.options.aspect, self.sink)?,
+            None => None,
+        };
+        self.scene.camera = match own {
+            Some(camera) => camera,
+            None => camera(self.doc, ix, world, self.options.aspect)?,
+        };
+        self.scene.camera.motion = rayloom::camera_motion(&self.scene.camera, world, &traits.motion);
+        self.has_camera = true;
+        Ok(())
+    }
+
+    fn instance(
+        &mut self,
+        node_ix: usize,
+        mesh_ix: usize,
+        node: &json::Node,
+        world: &DAffine3,
+        traits: &NodeTraits,
+    ) -> Result<(), ImportError> {
+        let parts = self.parts(mesh_ix, node.weights.as_deref())?;
+        let covered: Vec<_> = parts.iter().map(|p| (Shape::Mesh(p.mesh.clone()), self.covers[p.material].clone())).collect();
+        self.place(node_ix, node, world, traits, covered)
+    }
+
+    /// Puts shapes where a node is.
+    fn place(
+        &mut self,
+        node_ix: usize,
+        node: &json::Node,
+        world: &DAffine3,
+        traits: &NodeTraits,
+        shapes: impl IntoIterator<Item = (Shape, Cover)>,
+    ) -> Result<(), ImportError> {
+        let name = node.name.as_deref().unwrap_or("without a name");
         let Some(transform) = Transform::from_affine(*world).filter(|_| world.matrix3.determinant() != 0.0) else {
-            let name = node.name.as_deref().unwrap_or("without a name");
             let message = format!("node {node_ix} ({name}) is squeezed flat by its scale and left out");
             self.sink.note_once("gltf: flat nodes", None, message);
             return Ok(());
         };
-        let parts = self.parts(mesh_ix, node.weights.as_deref())?;
-        if self.scene.objects.len() + parts.len() > MAX_INSTANCES {
-            return Err(ImportError::TooMany { path: self.doc.path.to_owned(), what: "placed primitives", limit: MAX_INSTANCES });
-        }
-        for part in &*parts {
-            let cover = &self.covers[part.material];
+        let path_traits = PathTraits {
+            visibility: traits.visibility,
+            holdout: traits.holdout,
+            shadow_catcher: traits.shadow_catcher,
+            object_id: traits.pass_index,
+            name: node.name.as_deref().unwrap_or_default().into(),
+            motion: rayloom::object_motion(&traits.motion),
+        };
+        for (shape, cover) in shapes {
+            if self.scene.objects.len() >= MAX_INSTANCES {
+                return Err(ImportError::TooMany { path: self.doc.path.to_owned(), what: "placed primitives", limit: MAX_INSTANCES });
+            }
             self.scene.objects.push(Object {
                 transform,
-                texture: Some(cover.texture.clone()),
-                interior: cover.interior.clone(),
-                ..Object::new(Shape::Mesh(part.mesh.clone()))
+                texture: Some(cover.texture),
+                interior: cover.interior,
+                traits: path_traits.clone(),
+                ..Object::new(shape)
             });
         }
         Ok(())
@@ -171,8 +242,9 @@ impl Builder<'_> {
             if primitive.material.is_none() {
                 self.sink.note_once("gltf: no material", None, "surfaces without a material are plain grey");
             }
-            let uv_set = self.covers[material].uv_set;
-            if let Some(mesh) = triangles(doc, primitive, &place, uv_set, weights, &mut self.budget, self.sink)? {
+            let cover = &self.covers[material];
+            let wanted = Wanted { uv_set: cover.uv_set, all_uvs: cover.all_uvs, weights, extension: self.extension.as_ref() };
+            if let Some(mesh) = triangles(doc, primitive, &place, &wanted, &mut self.budget, self.sink)? {
                 list.push(Part { mesh: Arc::new(mesh), material });
             }
         }

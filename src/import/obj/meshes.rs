@@ -1,6 +1,7 @@
 //! Faces → one mesh a material, with the vertices that it uses.
 
 use super::super::ImportError;
+use super::super::picture::linear_from_srgb;
 use super::geometry::{Corner, Geometry, NONE, Run};
 use super::polygon::Cutter;
 use crate::math::Vec3;
@@ -111,8 +112,7 @@ fn mesh_of(g: &Geometry, material: u32, smooth: &SmoothNormals, [vertices, uvs, 
 
 /// Vertex colours are written sRGB-encoded.
 fn decoded(v: f32) -> f32 {
-    let v = v.max(0.0);
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+    linear_from_srgb(v.max(0.0))
 }
 
 /// Normals of faces that have none but a smoothing group: the mean over the group's faces around a vertex, by area.

@@ -1,0 +1,78 @@
+//! Render settings.
+
+use super::super::super::ImportError;
+use super::motion::Shutter;
+use super::record::Record;
+use crate::diag::Sink;
+use crate::scene::Scene;
+use crate::scene::curves::CurveStyle;
+use crate::scene::path_settings::PixelFilter;
+
+/// Fills the scene's settings from the record `render`; the style of hair and the shutter besides.
+pub(super) fn settings(r: &Record, scene: &mut Scene, sink: &mut Sink) -> Result<(CurveStyle, Shutter), ImportError> {
+    let p = &mut scene.settings.path;
+    p.samples = r.count_or("samples", 4096)?;
+    p.seed = r.number_or("seed", 0.0)? as i64 as u32;
+    if let Some(a) = r.record("adaptive")? {
+        p.adaptive_threshold = a.positive_or("threshold", 0.01)? as f32;
+        p.adaptive_min_samples = a.count_or("minSamples", 0)?;
+        a.finish()?;
+    }
+    if let Some(b) = r.record("bounces")? {
+        p.max_bounces = b.count_or("total", 12)?;
+        p.diffuse_bounces = b.count_or("diffuse", 4)?;
+        p.glossy_bounces = b.count_or("glossy", 4)?;
+        p.transmission_bounces = b.count_or("transmission", 12)?;
+        p.volume_bounces = b.count_or("volume", 0)?;
+        p.transparent_bounces = b.count_or("transparent", 8)?;
+        b.finish()?;
+    }
+    p.min_light_bounces = r.count_or("minLightBounces", 0)?;
+    p.min_transparent_bounces = r.count_or("minTransparentBounces", 0)?;
+    p.clamp_direct = r.positive_or("clampDirect", 0.0)? as f32;
+    p.clamp_indirect = r.positive_or("clampIndirect", 10.0)? as f32;
+    p.filter_glossy = r.positive_or("filterGlossy", 1.0)? as f32;
+    p.caustics_reflective = r.flag("causticsReflective", true)?;
+    p.caustics_refractive = r.flag("causticsRefractive", true)?;
+    if let Some(f) = r.record("filter")? {
+        let width = f.positive_or("width", 1.5)? as f32;
+        let blackman = PixelFilter::BlackmanHarris { width };
+        let kinds = [("blackmanHarris", blackman), ("gaussian", PixelFilter::Gaussian { width }), ("box", PixelFilter::Box)];
+        p.filter = f.choice("type", blackman, &kinds)?;
+        f.finish()?;
+    }
+    p.exposure = r.positive_or("exposure", 1.0)? as f32;
+    p.film_transparent = r.flag("transparent", false)?;
+    if r.flag("transparentGlass", false)? {
+        sink.note_once("rayloom: transparent glass", None, "transparent glass of the film is left out: glass is opaque in alpha");
+    }
+    r.positive_or("transparentRoughness", 0.1)?;
+    if r.flag("denoise", false)? {
+        sink.note_once("rayloom: denoise", None, "the scene asks for denoising, which is left out");
+    }
+    if r.positive_or("timeLimit", 0.0)? > 0.0 {
+        sink.note_once("rayloom: time limit", None, "the scene's time limit is left out");
+    }
+    let mut shutter = Shutter::default();
+    if let Some(m) = r.record("motionBlur")? {
+        let length = m.positive_or("shutter", 0.5)?;
+        let start = m.choice("position", -0.5, &[("start", 0.0), ("center", -0.5), ("end", -1.0)])? * length;
+        shutter = Shutter { open: start, close: start + length };
+        if m.number("rolling")?.is_some() {
+            sink.note_once("rayloom: rolling shutter", None, "the rolling shutter is left out");
+        }
+        m.finish()?;
+    }
+    let mut style = CurveStyle::Ribbon;
+    if let Some(h) = r.record("hair")? {
+        style = h.choice("shape", style, &[("ribbon", CurveStyle::Ribbon), ("thick", CurveStyle::Tube)])?;
+        h.count("subdivisions")?;
+        h.finish()?;
+    }
+    // What the command line says, or what changes no picture.
+    for key in ["resolution", "pixelAspect", "border", "threads", "lightThreshold", "lightTree", "passes", "volume", "background"] {
+        r.get(key);
+    }
+    r.finish()?;
+    Ok((style, shutter))
+}
