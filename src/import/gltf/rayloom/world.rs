@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub(super) fn environment<'a>(e: &mut Extension<'a>, r: &Record<'a>, sink: &mut Sink) -> Result<Environment, ImportError> {
     let mut out = Environment::constant(Vec3::ZERO);
     out.visibility = visibility(r)?;
-    out.sampled = !r.get("sampling").is_some_and(|v| v.as_str() == Some("none"));
+    out.sampled = r.get("sampling").is_none_or(|v| v.as_str() != Some("none"));
     r.count("maxBounces")?;
     let nodes = r.records("nodes")?;
     let surface = r.index("surface", nodes.len(), "shader node")?;
