@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 const RANKS: &[(&str, u8)] = &[
     ("math", 0),
     ("memory", 0),
+    ("accel", 1),
     ("diag", 1),
     ("world", 2),
     ("scene", 3),
     ("lang", 4),
     ("import", 4),
-    ("accel", 5),
     ("compile", 6),
     ("kernel", 7),
     ("film", 7),

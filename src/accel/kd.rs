@@ -1,5 +1,6 @@
 //! The kd-tree: 8-byte nodes and how a ray walks them. The build stands in `accel/kd_build.rs`.
 
+use super::kd_trail::SHORT_STACK;
 use super::slabs::SlabRay;
 use super::{AccelStats, BoxF, can_meet};
 use crate::math::Ray;
@@ -50,9 +51,23 @@ impl KdNode {
     }
 }
 
+/// How rays come back to what they put off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum KdWalk {
+    /// A stack as deep as the tree.
+    #[default]
+    Stack,
+    /// A stack of [`super::SHORT_STACK`] entries, from the root again when it runs dry.
+    ShortStack,
+    /// From the root again after each leaf.
+    Restart,
+}
+
 /// A kd-tree over primitives.
 #[derive(Clone, Debug)]
 pub struct KdTree {
+    /// How rays walk it.
+    pub walk: KdWalk,
     /// Nodes; the root is the first. Empty for no primitives.
     pub nodes: Vec<KdNode>,
     /// Primitives of the leaves.
@@ -98,6 +113,11 @@ impl KdTree {
     /// Visits leaves along the ray in order; `visit(refs, t_max)` gives the depth that still matters, or `None` to stop. Tells whether it stopped.
     #[inline]
     fn walk(&self, ray: &Ray, t_min: f64, t_max: f64, visit: impl FnMut(&[u32], f64) -> Option<f64>) -> bool {
+        match self.walk {
+            KdWalk::Stack => {}
+            KdWalk::ShortStack => return self.walk_trail::<SHORT_STACK>(ray, t_min, t_max, visit),
+            KdWalk::Restart => return self.walk_trail::<0>(ray, t_min, t_max, visit),
+        }
         if self.nodes.is_empty() || !can_meet(ray, t_min, t_max) {
             return false;
         }

@@ -4,7 +4,7 @@
 //! finds the plane that a full sweep finds in all but contrived cases. Source: Wald, Havran 2006; Pharr, Jakob, Humphreys 2016, 4.4.
 
 use super::kd::MAX_DEPTH;
-use super::{AccelOptions, AccelStats, BoxF, KdNode, KdTree, PrimRef, PrimSet, box_of, seconds_since, usable_prims};
+use super::{AccelOptions, AccelStats, BoxF, KdNode, KdTree, KdWalk, PrimRef, PrimSet, box_of, seconds_since, usable_prims};
 use std::time::Instant;
 
 /// Bins of an axis in large nodes.
@@ -80,7 +80,7 @@ impl KdTree {
             build_seconds: seconds_since(start),
             n_bytes: tree.nodes.len() * size_of::<KdNode>() + tree.refs.len() * 4,
         };
-        Self { nodes: tree.nodes, refs: tree.refs, bounds, stats }
+        Self { walk: KdWalk::default(), nodes: tree.nodes, refs: tree.refs, bounds, stats }
     }
 }
 

@@ -14,15 +14,27 @@
 mod boxf;
 mod bvh;
 mod bvh_build;
+mod bvh_skip;
+mod grid;
+mod grid_build;
 mod kd;
 mod kd_build;
+mod kd_trail;
 mod slabs;
+mod table;
 mod triangles;
+mod wide;
+mod wide_build;
 
 pub use boxf::BoxF;
 pub use bvh::{BVH_LEAF, Bvh, BvhNode};
-pub use kd::{KdNode, KdTree};
+pub use bvh_skip::{BvhSkip, SKIP_COUNT_BITS, SkipNode};
+pub use grid::{GRID_INNER, GRID_LEVELS, Grid, GridBox, GridCell, GridEntry, pack_cell};
+pub use kd::{KdNode, KdTree, KdWalk};
+pub use kd_trail::SHORT_STACK;
+pub use table::{AccelKind, STRUCTURES, Structure};
 pub use triangles::TrianglePrims;
+pub use wide::{WIDE_LEAF, WideBvh, WideNode};
 
 use crate::math::{Bounds, Ray};
 use std::time::Instant;
@@ -48,35 +60,6 @@ pub trait PrimSet: Sync {
     /// Box of the part of a primitive that lies in `cell`; may be larger, never smaller; empty where nothing lies in it.
     fn clipped_bounds(&self, prim_ix: usize, cell: &Bounds) -> Bounds {
         self.bounds(prim_ix).intersection(*cell)
-    }
-}
-
-/// Which structure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum AccelKind {
-    /// The BVH, but for a single primitive: it builds 8 to 10 times as fast as the kd-tree and measures best for every kind of ray.
-    /// `benches/traverse`, one Zen 5 core, Mrays/s primary / shadow / diffuse: kitchen of 1.4 M faces 9.6 / 14.0 / 5.2 against the
-    /// kd-tree's 6.6 / 12.0 / 4.2; lattice of 125 k 5.5 / 2.2 / 1.4 against 4.8 / 1.9 / 1.1; POV-Ray scenes of 100 to 10,000
-    /// primitives render in 0.65 to 0.95 of the kd-tree's time.
-    #[default]
-    Auto,
-    /// kd-tree.
-    Kd,
-    /// Bounding volume hierarchy.
-    Bvh,
-    /// Every primitive for every ray.
-    Brute,
-}
-
-impl AccelKind {
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Kd => "kd",
-            Self::Bvh => "bvh",
-            Self::Brute => "brute",
-        }
     }
 }
 
@@ -127,6 +110,12 @@ pub enum Accel {
     Kd(KdTree),
     /// Bounding volume hierarchy.
     Bvh(Bvh),
+    /// The same in one order.
+    BvhSkip(BvhSkip),
+    /// The same with eight children a node.
+    Wide(WideBvh),
+    /// Uniform or hierarchical grid.
+    Grid(Grid),
     /// Primitives `0..n`, one by one.
     Brute(u32),
 }
@@ -143,18 +132,33 @@ impl Accel {
         let n = prims.len();
         assert!(n < (1 << 30), "a tree indexes fewer than 2^30 primitives; the compile step refuses more");
         match kind {
-            AccelKind::Brute => Self::Brute(n as u32),
+            // How threads share the work matters on GPUs alone.
+            AccelKind::Brute | AccelKind::BruteTiled | AccelKind::BruteGroup => Self::Brute(n as u32),
+            AccelKind::Grid => Self::Grid(Grid::build(prims, options, 1)),
+            AccelKind::HierarchicalGrid => Self::Grid(Grid::build(prims, options, GRID_LEVELS)),
+            AccelKind::BvhSkip => Self::BvhSkip(BvhSkip::build(prims, options)),
+            AccelKind::Wide => Self::Wide(WideBvh::build(prims, options)),
             AccelKind::Auto if n <= BRUTE_LIMIT => Self::Brute(n as u32),
             AccelKind::Auto | AccelKind::Bvh => Self::Bvh(Bvh::build(prims, options)),
             AccelKind::Kd => Self::Kd(KdTree::build(prims, options)),
+            AccelKind::KdShort => Self::Kd(KdTree { walk: KdWalk::ShortStack, ..KdTree::build(prims, options) }),
+            AccelKind::KdRestart => Self::Kd(KdTree { walk: KdWalk::Restart, ..KdTree::build(prims, options) }),
         }
     }
 
     /// Which structure it is.
     pub fn kind(&self) -> AccelKind {
         match self {
-            Self::Kd(_) => AccelKind::Kd,
+            Self::Kd(t) => match t.walk {
+                KdWalk::Stack => AccelKind::Kd,
+                KdWalk::ShortStack => AccelKind::KdShort,
+                KdWalk::Restart => AccelKind::KdRestart,
+            },
             Self::Bvh(_) => AccelKind::Bvh,
+            Self::BvhSkip(_) => AccelKind::BvhSkip,
+            Self::Wide(_) => AccelKind::Wide,
+            Self::Grid(g) if g.n_levels > 1 => AccelKind::HierarchicalGrid,
+            Self::Grid(_) => AccelKind::Grid,
             Self::Brute(_) => AccelKind::Brute,
         }
     }
@@ -164,6 +168,9 @@ impl Accel {
         match self {
             Self::Kd(t) => t.stats,
             Self::Bvh(t) => t.stats,
+            Self::BvhSkip(t) => t.stats,
+            Self::Wide(t) => t.stats,
+            Self::Grid(t) => t.stats,
             Self::Brute(n) => {
                 let n = *n as usize;
                 AccelStats { n_prims: n, n_refs: n, n_leaves: 1, ..AccelStats::default() }
@@ -175,19 +182,23 @@ impl Accel {
     /// in memory when it is near in space. A BVH has an order of its own; elsewhere slot and primitive are the same.
     #[inline]
     pub fn prim_at(&self, slot: u32) -> u32 {
+        self.order().map_or(slot, |refs| refs[slot as usize])
+    }
+
+    /// The primitives in the order of their slots, if it is the structure's own.
+    #[inline]
+    fn order(&self) -> Option<&[u32]> {
         match self {
-            Self::Bvh(t) => t.refs[slot as usize],
-            Self::Kd(_) | Self::Brute(_) => slot,
+            Self::Bvh(t) => Some(&t.refs),
+            Self::BvhSkip(t) => Some(&t.refs),
+            Self::Wide(t) => Some(&t.refs),
+            Self::Kd(_) | Self::Grid(_) | Self::Brute(_) => None,
         }
     }
 
     /// Primitives slot by slot; those without usable bounds may be missing.
     pub fn slots(&self) -> Vec<u32> {
-        match self {
-            Self::Bvh(t) => t.refs.clone(),
-            Self::Kd(t) => (0..t.stats.n_prims as u32).collect(),
-            Self::Brute(n) => (0..*n).collect(),
-        }
+        self.order().map_or_else(|| (0..self.stats().n_prims as u32).collect(), <[u32]>::to_vec)
     }
 
     /// Offers `hit` the primitives that `ray` may meet in `t_min..=t_max`, near ones first where the structure knows.
@@ -198,7 +209,7 @@ impl Accel {
     pub fn closest(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32, f64) -> Option<f64>) {
         match self {
             Self::Bvh(t) => t.closest_slots(ray, t_min, t_max, |slot, best| hit(t.refs[slot as usize], best)),
-            _ => self.closest_slots(ray, t_min, t_max, hit),
+            _ => self.closest_slots(ray, t_min, t_max, |slot, best| hit(self.prim_at(slot), best)),
         }
     }
 
@@ -207,7 +218,7 @@ impl Accel {
     pub fn any(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32) -> bool) -> bool {
         match self {
             Self::Bvh(t) => t.any_slot(ray, t_min, t_max, |slot| hit(t.refs[slot as usize])),
-            _ => self.any_slot(ray, t_min, t_max, hit),
+            _ => self.any_slot(ray, t_min, t_max, |slot| hit(self.prim_at(slot))),
         }
     }
 
@@ -217,16 +228,20 @@ impl Accel {
         match self {
             Self::Kd(t) => t.closest(ray, t_min, t_max, hit),
             Self::Bvh(t) => t.closest_slots(ray, t_min, t_max, hit),
+            Self::BvhSkip(t) => {
+                t.walk(ray, t_min, t_max, |first, count, best| Some(nearest_of(first, count, best, &mut hit)));
+            }
+            Self::Wide(t) => {
+                t.walk(ray, t_min, t_max, |first, count, best| Some(nearest_of(first, count, best, &mut hit)));
+            }
+            Self::Grid(t) => {
+                t.walk(ray, t_min, t_max, |prim, best| Some(hit(prim, best).unwrap_or(best)));
+            }
             Self::Brute(n) => {
                 if !can_meet(ray, t_min, t_max) {
                     return;
                 }
-                let mut best = t_max;
-                for prim in 0..*n {
-                    if let Some(t) = hit(prim, best) {
-                        best = t;
-                    }
-                }
+                nearest_of(0, *n, t_max, &mut hit);
             }
         }
     }
@@ -237,9 +252,23 @@ impl Accel {
         match self {
             Self::Kd(t) => t.any(ray, t_min, t_max, hit),
             Self::Bvh(t) => t.any_slot(ray, t_min, t_max, hit),
+            Self::BvhSkip(t) => t.walk(ray, t_min, t_max, |first, n, best| (!(first..first + n).any(&mut hit)).then_some(best)),
+            Self::Wide(t) => t.walk(ray, t_min, t_max, |first, n, best| (!(first..first + n).any(&mut hit)).then_some(best)),
+            Self::Grid(t) => t.walk(ray, t_min, t_max, |prim, best| (!hit(prim)).then_some(best)),
             Self::Brute(n) => can_meet(ray, t_min, t_max) && (0..*n).any(&mut hit),
         }
     }
+}
+
+/// Offers slots one by one; gives the depth that still matters.
+#[inline]
+fn nearest_of(first: u32, count: u32, mut best: f64, hit: &mut impl FnMut(u32, f64) -> Option<f64>) -> f64 {
+    for slot in first..first + count {
+        if let Some(t) = hit(slot, best) {
+            best = t;
+        }
+    }
+    best
 }
 
 /// Whether there is anything to look for: finite numbers, a direction, depths in the interval.

@@ -39,11 +39,17 @@ impl SlabRay {
     /// Part of `t_min..=t_max` in the box; empty (start above end) when it misses.
     #[inline]
     pub fn clip(&self, b: &BoxF, t_min: f64, t_max: f64) -> (f64, f64) {
+        self.meet((b.lo.map(f64::from), b.hi.map(f64::from)), t_min, t_max)
+    }
+
+    /// The same for a box in double precision: lower and upper corner.
+    #[inline]
+    pub fn meet(&self, (lo, hi): ([f64; 3], [f64; 3]), t_min: f64, t_max: f64) -> (f64, f64) {
         let (mut t0, mut t1) = (t_min, t_max);
         for k in 0..3 {
-            let (near, far) = if self.inv[k] > 0.0 { (b.lo[k], b.hi[k]) } else { (b.hi[k], b.lo[k]) };
-            t0 = t0.max((f64::from(near) - self.enter[k]) * self.inv[k]);
-            t1 = t1.min((f64::from(far) - self.exit[k]) * self.inv[k]);
+            let (near, far) = if self.inv[k] > 0.0 { (lo[k], hi[k]) } else { (hi[k], lo[k]) };
+            t0 = t0.max((near - self.enter[k]) * self.inv[k]);
+            t1 = t1.min((far - self.exit[k]) * self.inv[k]);
         }
         (t0, t1)
     }

@@ -4,6 +4,7 @@ use super::console::{print_error, style};
 use super::interrupt::Interrupt;
 use super::progress::{ProgressKind, ProgressView};
 use clap::{Args, ValueEnum};
+use rayloom::accel::AccelKind;
 use rayloom::diag::{Diagnostic, SourceMap, Style, render};
 use rayloom::film::{FileFormat, FileGamma};
 use rayloom::integrate::{Antialias, IntegratorKind};
@@ -29,8 +30,8 @@ pub struct RenderArgs {
     /// Machine: the GPU when there is one that can render the scene, the CPU, the GPU [default: auto, or what the .ini says]
     #[arg(long, value_parser = ["auto", "cpu", "gpu"])]
     backend: Option<String>,
-    /// Tree over the geometry [default: auto, or what the .ini says]
-    #[arg(long, value_parser = ["auto", "kd", "bvh", "brute"])]
+    /// Structure over the geometry (docs/gpu.md) [default: auto, or what the .ini says]
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(AccelKind::names()))]
     accel: Option<String>,
     /// Light transport: POV-Ray's own, or unbiased path tracing
     #[arg(long, value_enum, default_value_t = IntegratorArg::Auto)]

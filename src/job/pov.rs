@@ -93,7 +93,7 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
 
 /// The tree of a name that the options accept.
 fn accel_named(name: &str) -> AccelKind {
-    [AccelKind::Kd, AccelKind::Bvh, AccelKind::Brute].into_iter().find(|k| k.name() == name).unwrap_or_default()
+    AccelKind::named(name).unwrap_or_default()
 }
 
 /// Number of threads that run at once here.

@@ -6,7 +6,7 @@ use crate::rays::RaySource;
 use rayloom::accel::{Accel, AccelKind, BVH_LEAF, Bvh, KdNode, KdTree};
 
 /// Faults of a tree over a ball, before and after `damage`.
-fn faults_of(kind: AccelKind, damage: impl FnOnce(&mut Accel)) -> Faults {
+pub fn faults_of(kind: AccelKind, damage: impl FnOnce(&mut Accel)) -> Faults {
     let mut mesh = ball(2, true, 1.0);
     mesh.append(&soup(30, 0.3, 4));
     let oracle = Oracle::new(&mesh);

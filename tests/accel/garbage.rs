@@ -7,7 +7,7 @@ use rayloom::accel::{Accel, AccelKind, AccelOptions, PrimSet};
 use rayloom::math::{Bounds, DVec3, Ray, Vec3};
 use std::time::Instant;
 
-const KINDS: [AccelKind; 2] = [AccelKind::Kd, AccelKind::Bvh];
+const KINDS: [AccelKind; 8] = crate::TREES;
 /// No tree may be deeper.
 const DEEPEST: usize = 60;
 
@@ -117,6 +117,9 @@ fn hostile_sets_of_boxes_build_quickly_and_stay_shallow() {
             match &tree {
                 Accel::Kd(t) => assert!(t.is_sound(n), "{name}"),
                 Accel::Bvh(t) => assert!(t.is_sound(n) && t.refs.len() == n - s.n_skipped, "{name}"),
+                Accel::BvhSkip(t) => assert!(t.refs.len() == n - s.n_skipped, "{name}"),
+                Accel::Wide(t) => assert!(t.is_sound(n) && t.refs.len() == n - s.n_skipped, "{name}"),
+                Accel::Grid(t) => assert!(t.is_sound(n), "{name}"),
                 Accel::Brute(_) => panic!("a tree was asked for"),
             }
             // Every box that has a middle is offered to a ray through it.
@@ -136,7 +139,7 @@ fn hostile_sets_of_boxes_build_quickly_and_stay_shallow() {
 fn rays_without_sense_meet_nothing_and_end() {
     let mesh = soup(500, 0.5, 29);
     let (nan, inf) = (f64::NAN, f64::INFINITY);
-    for kind in [AccelKind::Kd, AccelKind::Bvh, AccelKind::Brute] {
+    for kind in KINDS.into_iter().chain([AccelKind::Brute]) {
         let tree = build(kind, &mesh);
         let offered = |origin: DVec3, dir: DVec3, t_min: f64, t_max: f64| {
             let ray = Ray::new(origin, dir);
@@ -173,7 +176,7 @@ fn rays_without_sense_meet_nothing_and_end() {
 
 #[test]
 fn nothing_and_a_single_primitive_have_their_trees() {
-    for kind in [AccelKind::Auto, AccelKind::Kd, AccelKind::Bvh, AccelKind::Brute] {
+    for kind in KINDS.into_iter().chain([AccelKind::Auto, AccelKind::Brute]) {
         let none = build(kind, &Triangles::default());
         assert!(!none.any(&Ray::new(DVec3::ZERO, DVec3::X), 0.0, 1.0, |_| true));
         for n in 1..12 {

@@ -3,6 +3,7 @@
 //! Scenes are small enough for every ray to be held against every primitive; the larger ones sample their rays.
 
 mod broken;
+mod broken_more;
 mod garbage;
 mod geometry;
 mod oracle;
@@ -10,3 +11,24 @@ mod rays;
 mod scene;
 mod trees;
 mod watertight;
+
+use rayloom::accel::AccelKind;
+
+/// All structures that are not brute force.
+const TREES: [AccelKind; 8] = [
+    AccelKind::Kd,
+    AccelKind::Bvh,
+    AccelKind::BvhSkip,
+    AccelKind::Wide,
+    AccelKind::Grid,
+    AccelKind::HierarchicalGrid,
+    AccelKind::KdShort,
+    AccelKind::KdRestart,
+];
+
+#[test]
+fn no_structure_is_left_out() {
+    let brute = |k: &AccelKind| matches!(k, AccelKind::Brute | AccelKind::BruteTiled | AccelKind::BruteGroup);
+    let all: Vec<AccelKind> = rayloom::accel::STRUCTURES.iter().map(|s| s.kind).filter(|k| !brute(k)).collect();
+    assert!(all.len() == TREES.len() && all.iter().all(|k| TREES.contains(k)), "{all:?}");
+}

@@ -39,6 +39,11 @@ impl Faults {
     pub fn none(&self) -> bool {
         *self == Faults::default()
     }
+
+    /// Whether hits are lost.
+    pub fn lost(&self) -> bool {
+        self.missed + self.farther > 0
+    }
 }
 
 pub fn build(kind: AccelKind, mesh: &Triangles) -> Accel {

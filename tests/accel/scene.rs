@@ -1,5 +1,6 @@
 //! Primitives of many kinds in a compiled scene: hits and shadows do not depend on the tree.
 
+use crate::TREES;
 use crate::geometry::{Numbers, Triangles};
 use crate::rays::RaySource;
 use rayloom::accel::AccelKind;
@@ -53,8 +54,8 @@ fn compiled(accel: AccelKind) -> CompiledScene {
 #[test]
 fn mixed_primitives_are_hit_alike_through_every_tree() {
     let brute = compiled(AccelKind::Brute);
-    let trees = [compiled(AccelKind::Kd), compiled(AccelKind::Bvh)];
-    assert_eq!(trees.each_ref().map(|t| t.geometry.tree.kind()), [AccelKind::Kd, AccelKind::Bvh]);
+    let trees = TREES.map(compiled);
+    assert_eq!(trees.each_ref().map(|t| t.geometry.tree.kind()), TREES);
     // Rays find the planes and corners of the primitives' boxes.
     let mut aims = Triangles::default();
     for Bounds { min, max } in &brute.geometry.bounds {

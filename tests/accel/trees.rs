@@ -1,5 +1,6 @@
-//! kd-tree and BVH give brute force's hits.
+//! Every structure gives brute force's hits.
 
+use crate::TREES;
 use crate::geometry::*;
 use crate::oracle::{Faults, Oracle, build};
 use crate::rays::RaySource;
@@ -8,7 +9,7 @@ use rayloom::math::Ray;
 
 const N_RAYS: usize = 1_000_000;
 
-/// Both trees over `mesh` against every face of it, for a million rays.
+/// Every structure over `mesh` against every face of it, for a million rays.
 fn agree_on(mesh: &Triangles) {
     assert!(mesh.faces.len() <= 320, "every ray is held against every face");
     agree_with(mesh, &Oracle::new(mesh), mesh, |_| true);
@@ -17,9 +18,9 @@ fn agree_on(mesh: &Triangles) {
 /// As `agree_on`, with the truth from `oracle` for the rays that `asked` picks; the trees must agree with each other on all.
 fn agree_with(mesh: &Triangles, truth: &Oracle, aims: &Triangles, asked: impl Fn(usize) -> bool) {
     let own = Oracle::new(mesh);
-    let trees = [build(AccelKind::Kd, mesh), build(AccelKind::Bvh, mesh)];
-    assert_eq!([trees[0].kind(), trees[1].kind()], [AccelKind::Kd, AccelKind::Bvh]);
-    let (mut faults, mut n_hits, mut n_apart) = ([Faults::default(); 2], 0, 0);
+    let trees = TREES.map(|kind| build(kind, mesh));
+    assert_eq!(trees.each_ref().map(Accel::kind), TREES);
+    let (mut faults, mut n_hits, mut n_apart) = (TREES.map(|_| Faults::default()), 0, 0);
     for (k, ray) in RaySource::new(aims, 3).take(N_RAYS).enumerate() {
         if asked(k) {
             let depth = truth.brute(&ray);
@@ -27,13 +28,16 @@ fn agree_with(mesh: &Triangles, truth: &Oracle, aims: &Triangles, asked: impl Fn
             trees.iter().zip(&mut faults).for_each(|(tree, faults)| own.check(tree, &ray, depth, faults));
         } else {
             n_hits += usize::from(own.any(&trees[0], &ray, f64::INFINITY));
-            n_apart += usize::from((own.closest(&trees[0], &ray) - own.closest(&trees[1], &ray)).abs() > 1e-6);
+            let depths = trees.each_ref().map(|t| own.closest(t, &ray));
+            n_apart += usize::from(depths.iter().any(|t| (depths[0] - t).abs() > 1e-6));
         }
     }
     assert!(n_hits > N_RAYS / 20, "rays that hit nothing prove nothing: {n_hits} hits");
     // Infinity less infinity is no difference; edge on, depths are no better than this.
     assert!(n_apart * 50_000 < N_RAYS, "trees differ for {n_apart} rays");
-    assert!(faults[0].none() && faults[1].none(), "kd {:?}, bvh {:?}, of {n_hits} hits", faults[0], faults[1]);
+    for (kind, faults) in TREES.iter().zip(faults) {
+        assert!(faults.none(), "{}: {faults:?} of {n_hits} hits", kind.name());
+    }
 }
 
 #[test]
@@ -149,7 +153,7 @@ fn bvh_boxes_hold_what_is_below_and_its_statistics_are_true() {
 #[test]
 fn slots_name_each_primitive_once() {
     let mesh = soup(500, 0.1, 19);
-    for kind in [AccelKind::Kd, AccelKind::Bvh, AccelKind::Brute] {
+    for kind in TREES.into_iter().chain([AccelKind::Brute]) {
         let tree = build(kind, &mesh);
         let mut slots = tree.slots();
         assert!(slots.iter().enumerate().all(|(k, p)| tree.prim_at(k as u32) == *p));

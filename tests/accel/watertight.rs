@@ -48,7 +48,7 @@ fn leaks(mesh: &Triangles, kind: AccelKind, middle: DVec3, near: f64) -> [usize;
 }
 
 fn stays_tight(mesh: &Triangles, middle: DVec3, near: f64) {
-    for kind in [AccelKind::Kd, AccelKind::Bvh] {
+    for kind in crate::TREES {
         assert_eq!(leaks(mesh, kind, middle, near), [0; 3], "{kind:?}: random, at vertices, at edges, of {N_RAYS} each");
     }
 }
@@ -81,7 +81,7 @@ fn tiny_and_huge_balls_do_not_leak() {
 fn a_missing_face_leaks() {
     let mut mesh = ball(4, true, 2.0);
     mesh.faces.swap_remove(1000);
-    for kind in [AccelKind::Kd, AccelKind::Bvh] {
+    for kind in crate::TREES {
         let lost = leaks(&mesh, kind, DVec3::ZERO, 0.9);
         assert!(lost[0] > 10 && lost[1] > 0, "{lost:?}");
     }

@@ -34,7 +34,7 @@ pub(super) fn kd_of(tree: &Accel, prims: &impl PrimSet) -> (Vec<[u32; 2]>, Vec<u
     match tree {
         Accel::Kd(t) => words(t),
         Accel::Brute(n) if *n as usize <= ONE_LEAF => (vec![[0, n << 2 | 3]], (0..*n).collect()),
-        Accel::Brute(_) | Accel::Bvh(_) => words(&KdTree::build(prims, &AccelOptions::default())),
+        _ => words(&KdTree::build(prims, &AccelOptions::default())),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::table::OPTIONS;
 use super::{GammaOption, OutputType, PovOptions, StreamKind};
+use crate::accel::AccelKind;
 use crate::lang::Declared;
 use std::path::PathBuf;
 
@@ -73,7 +74,7 @@ impl PovOptions {
             "create_ini" => self.create_ini = Some(value.to_owned()),
             "declare" => self.declare(value)?,
             "backend" => self.backend = one_of(value, &["auto", "cpu", "gpu"])?,
-            "accel" => self.accel = one_of(value, &["auto", "kd", "bvh", "brute"])?,
+            "accel" => self.accel = one_of(value, &AccelKind::names().collect::<Vec<_>>())?,
             "max_steps" => self.max_steps = Some(u64::from(int(value)?)),
             "max_memory" => self.max_memory = Some(u64::from(int(value)?)),
             "allow_io" => self.allow_io.push(PathBuf::from(value)),
