@@ -13,6 +13,8 @@
 
 mod boxf;
 mod bvh;
+mod bvh8;
+mod bvh8_build;
 mod bvh_build;
 mod bvh_skip;
 mod grid;
@@ -21,6 +23,7 @@ mod kd;
 mod kd_build;
 mod kd_trail;
 mod slabs;
+mod stack;
 mod table;
 mod triangles;
 mod wide;
@@ -29,6 +32,7 @@ mod wide_build;
 pub use boxf::BoxF;
 pub use bvh::{BVH_LEAF, Bvh, BvhNode};
 pub use bvh_skip::{BvhSkip, SKIP_COUNT_BITS, SkipNode};
+pub use bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, LeafVisitor, NO_PRIM, PACK};
 pub use grid::{GRID_INNER, GRID_LEVELS, Grid, GridBox, GridCell, GridEntry, pack_cell};
 pub use kd::{KdNode, KdTree, KdWalk};
 pub use kd_trail::SHORT_STACK;
@@ -36,6 +40,7 @@ pub use table::{AccelKind, STRUCTURES, Structure};
 pub use triangles::TrianglePrims;
 pub use wide::{WIDE_LEAF, WideBvh, WideNode};
 
+use crate::math::simd::is_wide;
 use crate::math::{Bounds, Ray};
 use std::time::Instant;
 
@@ -112,8 +117,10 @@ pub enum Accel {
     Bvh(Bvh),
     /// The same in one order.
     BvhSkip(BvhSkip),
-    /// The same with eight children a node.
+    /// The same with eight children a node and boxes in bytes.
     Wide(WideBvh),
+    /// The same with eight children a node, for the CPU's wide instructions.
+    Bvh8(Bvh8),
     /// Uniform or hierarchical grid.
     Grid(Grid),
     /// Primitives `0..n`, one by one.
@@ -139,7 +146,10 @@ impl Accel {
             AccelKind::BvhSkip => Self::BvhSkip(BvhSkip::build(prims, options)),
             AccelKind::Wide => Self::Wide(WideBvh::build(prims, options)),
             AccelKind::Auto if n <= BRUTE_LIMIT => Self::Brute(n as u32),
-            AccelKind::Auto | AccelKind::Bvh => Self::Bvh(Bvh::build(prims, options)),
+            // A leaf takes four slots even for one primitive.
+            AccelKind::Auto if n < 1 << 28 && is_wide() => Self::Bvh8(Bvh8::build(prims, options)),
+            AccelKind::Bvh8 if n < 1 << 28 => Self::Bvh8(Bvh8::build(prims, options)),
+            AccelKind::Auto | AccelKind::Bvh8 | AccelKind::Bvh => Self::Bvh(Bvh::build(prims, options)),
             AccelKind::Kd => Self::Kd(KdTree::build(prims, options)),
             AccelKind::KdShort => Self::Kd(KdTree { walk: KdWalk::ShortStack, ..KdTree::build(prims, options) }),
             AccelKind::KdRestart => Self::Kd(KdTree { walk: KdWalk::Restart, ..KdTree::build(prims, options) }),
@@ -157,6 +167,7 @@ impl Accel {
             Self::Bvh(_) => AccelKind::Bvh,
             Self::BvhSkip(_) => AccelKind::BvhSkip,
             Self::Wide(_) => AccelKind::Wide,
+            Self::Bvh8(_) => AccelKind::Bvh8,
             Self::Grid(g) if g.n_levels > 1 => AccelKind::HierarchicalGrid,
             Self::Grid(_) => AccelKind::Grid,
             Self::Brute(_) => AccelKind::Brute,
@@ -170,6 +181,7 @@ impl Accel {
             Self::Bvh(t) => t.stats,
             Self::BvhSkip(t) => t.stats,
             Self::Wide(t) => t.stats,
+            Self::Bvh8(t) => t.stats,
             Self::Grid(t) => t.stats,
             Self::Brute(n) => {
                 let n = *n as usize;
@@ -192,11 +204,12 @@ impl Accel {
             Self::Bvh(t) => Some(&t.refs),
             Self::BvhSkip(t) => Some(&t.refs),
             Self::Wide(t) => Some(&t.refs),
+            Self::Bvh8(t) => Some(&t.slots),
             Self::Kd(_) | Self::Grid(_) | Self::Brute(_) => None,
         }
     }
 
-    /// Primitives slot by slot; those without usable bounds may be missing.
+    /// Primitives slot by slot, [`NO_PRIM`] in slots without one; primitives without usable bounds may be missing.
     pub fn slots(&self) -> Vec<u32> {
         self.order().map_or_else(|| (0..self.stats().n_prims as u32).collect(), <[u32]>::to_vec)
     }
@@ -209,6 +222,7 @@ impl Accel {
     pub fn closest(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32, f64) -> Option<f64>) {
         match self {
             Self::Bvh(t) => t.closest_slots(ray, t_min, t_max, |slot, best| hit(t.refs[slot as usize], best)),
+            Self::Bvh8(t) => t.closest_slots(ray, t_min, t_max, |slot, best| hit(t.slots[slot as usize], best)),
             _ => self.closest_slots(ray, t_min, t_max, |slot, best| hit(self.prim_at(slot), best)),
         }
     }
@@ -218,6 +232,7 @@ impl Accel {
     pub fn any(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32) -> bool) -> bool {
         match self {
             Self::Bvh(t) => t.any_slot(ray, t_min, t_max, |slot| hit(t.refs[slot as usize])),
+            Self::Bvh8(t) => t.any_slot(ray, t_min, t_max, |slot| hit(t.slots[slot as usize])),
             _ => self.any_slot(ray, t_min, t_max, |slot| hit(self.prim_at(slot))),
         }
     }
@@ -228,6 +243,7 @@ impl Accel {
         match self {
             Self::Kd(t) => t.closest(ray, t_min, t_max, hit),
             Self::Bvh(t) => t.closest_slots(ray, t_min, t_max, hit),
+            Self::Bvh8(t) => t.closest_slots(ray, t_min, t_max, hit),
             Self::BvhSkip(t) => {
                 t.walk(ray, t_min, t_max, |first, count, best| Some(nearest_of(first, count, best, &mut hit)));
             }
@@ -252,6 +268,7 @@ impl Accel {
         match self {
             Self::Kd(t) => t.any(ray, t_min, t_max, hit),
             Self::Bvh(t) => t.any_slot(ray, t_min, t_max, hit),
+            Self::Bvh8(t) => t.any_slot(ray, t_min, t_max, hit),
             Self::BvhSkip(t) => t.walk(ray, t_min, t_max, |first, n, best| (!(first..first + n).any(&mut hit)).then_some(best)),
             Self::Wide(t) => t.walk(ray, t_min, t_max, |first, n, best| (!(first..first + n).any(&mut hit)).then_some(best)),
             Self::Grid(t) => t.walk(ray, t_min, t_max, |prim, best| (!hit(prim)).then_some(best)),

@@ -3,12 +3,12 @@
 /// Which structure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum AccelKind {
-    /// The BVH on the CPU, but for a single primitive: it builds 8 to 10 times as fast as the kd-tree and measures best for every kind
-    /// of ray. On a GPU what its table of choices says (`backend/gpu/choice.rs`).
+    /// A BVH on the CPU, but for a single primitive: that of eight children where the processor has AVX2, else that of two. On a GPU what
+    /// its table of choices says (`backend/gpu/choice.rs`).
     ///
-    /// `benches/traverse`, one Zen 5 core, Mrays/s primary / shadow / diffuse: kitchen of 1.4 M faces 9.6 / 14.0 / 5.2 against the
-    /// kd-tree's 6.6 / 12.0 / 4.2; lattice of 125 k 5.5 / 2.2 / 1.4 against 4.8 / 1.9 / 1.1; POV-Ray scenes of 100 to 10,000
-    /// primitives render in 0.65 to 0.95 of the kd-tree's time.
+    /// `benches/traverse --inside`, one Zen 5 core, Mrays/s primary / shadow / diffuse: kitchen of 1.4 M faces 11.1 / 22.4 / 6.7 against
+    /// 9.6 / 14.0 / 5.0 of the BVH of two and 6.6 / 12.0 / 4.2 of the kd-tree (older run); shells of 311 k 1.02 / 2.9 / 0.63 against
+    /// 0.75 / 1.8 / 0.42.
     #[default]
     Auto,
     /// Every primitive for every ray; on a GPU each thread has its own ray and reads from global memory.
@@ -27,6 +27,8 @@ pub enum AccelKind {
     BvhSkip,
     /// Bounding volume hierarchy of eight children with boxes of a byte a side.
     Wide,
+    /// Bounding volume hierarchy of eight children for the CPU's wide instructions; on a GPU that of two.
+    Bvh8,
     /// kd-tree with a whole stack.
     Kd,
     /// kd-tree with a stack of eight, from the root again when that runs dry.
@@ -53,7 +55,7 @@ const fn structure(kind: AccelKind, name: &'static str, shader: &'static str, su
 }
 
 /// All structures.
-pub const STRUCTURES: [Structure; 11] = [
+pub const STRUCTURES: [Structure; 12] = [
     structure(AccelKind::Brute, "brute", "brute", "every primitive for every ray"),
     structure(AccelKind::BruteTiled, "brute-tiled", "brute", "the same, primitives staged in workgroup memory"),
     structure(AccelKind::BruteGroup, "brute-group", "brute", "the same, one ray a workgroup"),
@@ -62,6 +64,7 @@ pub const STRUCTURES: [Structure; 11] = [
     structure(AccelKind::Bvh, "bvh", "bvh", "BVH, nodes of two boxes, a stack"),
     structure(AccelKind::BvhSkip, "bvh-skip", "bvh_skip", "BVH with skip links, no stack"),
     structure(AccelKind::Wide, "wide", "wide", "BVH of eight children, boxes in bytes"),
+    structure(AccelKind::Bvh8, "bvh8", "bvh", "BVH of eight children for the CPU's wide instructions"),
     structure(AccelKind::Kd, "kd", "kd", "kd-tree, a whole stack"),
     structure(AccelKind::KdShort, "kd-short", "kd_trail", "kd-tree, a stack of eight, then restart"),
     structure(AccelKind::KdRestart, "kd-restart", "kd_trail", "kd-tree, restart without a stack"),

@@ -9,6 +9,7 @@ pub mod noise;
 pub mod random;
 pub mod ray;
 pub mod roots;
+pub mod simd;
 pub mod statistics;
 pub mod transform;
 

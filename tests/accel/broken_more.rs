@@ -1,7 +1,7 @@
-//! As `broken`, for skip links, wide nodes and grids.
+//! As `broken`, for skip links, nodes of eight and grids.
 
 use crate::broken::faults_of;
-use rayloom::accel::{Accel, AccelKind, BvhSkip, GRID_INNER, Grid, WideBvh};
+use rayloom::accel::{Accel, AccelKind, BVH8_LEAF, Bvh8, BvhSkip, GRID_INNER, Grid, WideBvh};
 
 fn skip_faults(damage: impl FnOnce(&mut BvhSkip)) -> bool {
     faults_of(AccelKind::BvhSkip, |t| {
@@ -15,6 +15,14 @@ fn wide_faults(damage: impl FnOnce(&mut WideBvh)) -> bool {
     faults_of(AccelKind::Wide, |t| {
         let Accel::Wide(t) = t else { panic!("a wide BVH was asked for") };
         assert!(t.is_sound(t.refs.len()));
+        damage(t);
+    })
+    .lost()
+}
+
+fn bvh8_faults(damage: impl FnOnce(&mut Bvh8)) -> bool {
+    faults_of(AccelKind::Bvh8, |t| {
+        let Accel::Bvh8(t) = t else { panic!("a BVH of eight was asked for") };
         damage(t);
     })
     .lost()
@@ -53,6 +61,21 @@ fn damage_to_wide_nodes_is_caught() {
     assert!(wide_faults(|t| {
         let (n, s) = t.nodes.iter_mut().find_map(|n| (0..8).find(|s| n.meta[*s] >> 5 == 3).map(|s| (n, s))).expect("a leaf of two");
         n.meta[s] = 1 << 5 | n.meta[s] & 31;
+    }));
+}
+
+#[test]
+fn damage_to_nodes_of_eight_is_caught() {
+    assert!(bvh8_faults(|t| t.nodes[0].planes[1][1][0] -= 0.01));
+    assert!(bvh8_faults(|t| t.slots[0] = t.slots[4]));
+    assert!(bvh8_faults(|t| {
+        let inner = |c: &u32| c & BVH8_LEAF == 0;
+        let child = t.nodes[0].child.iter_mut().find(|c| inner(c)).expect("an inner child");
+        *child += 1;
+    }));
+    assert!(bvh8_faults(|t| {
+        let n = t.nodes.iter_mut().flat_map(|n| &mut n.count).find(|n| **n > 1).expect("a leaf of several");
+        *n -= 1;
     }));
 }
 

@@ -3,11 +3,11 @@
 use crate::geometry::{Numbers, Triangles, soup};
 use crate::oracle::{Faults, Oracle, build};
 use crate::rays::RaySource;
-use rayloom::accel::{Accel, AccelKind, AccelOptions, PrimSet};
+use rayloom::accel::{Accel, AccelKind, AccelOptions, NO_PRIM, PrimSet};
 use rayloom::math::{Bounds, DVec3, Ray, Vec3};
 use std::time::Instant;
 
-const KINDS: [AccelKind; 8] = crate::TREES;
+const KINDS: [AccelKind; 9] = crate::TREES;
 /// No tree may be deeper.
 const DEEPEST: usize = 60;
 
@@ -119,6 +119,7 @@ fn hostile_sets_of_boxes_build_quickly_and_stay_shallow() {
                 Accel::Bvh(t) => assert!(t.is_sound(n) && t.refs.len() == n - s.n_skipped, "{name}"),
                 Accel::BvhSkip(t) => assert!(t.refs.len() == n - s.n_skipped, "{name}"),
                 Accel::Wide(t) => assert!(t.is_sound(n) && t.refs.len() == n - s.n_skipped, "{name}"),
+                Accel::Bvh8(t) => assert!(t.is_sound(n) && t.slots.iter().filter(|p| **p != NO_PRIM).count() == n - s.n_skipped, "{name}"),
                 Accel::Grid(t) => assert!(t.is_sound(n), "{name}"),
                 Accel::Brute(_) => panic!("a tree was asked for"),
             }

@@ -15,11 +15,12 @@ mod watertight;
 use rayloom::accel::AccelKind;
 
 /// All structures that are not brute force.
-const TREES: [AccelKind; 8] = [
+const TREES: [AccelKind; 9] = [
     AccelKind::Kd,
     AccelKind::Bvh,
     AccelKind::BvhSkip,
     AccelKind::Wide,
+    AccelKind::Bvh8,
     AccelKind::Grid,
     AccelKind::HierarchicalGrid,
     AccelKind::KdShort,

@@ -1,6 +1,7 @@
 //! Meshes ready to be hit, and bicubic patches cut into triangles. Source: spec/objects.md, section 6.
 
-use crate::accel::{Accel, AccelKind, AccelOptions, TrianglePrims};
+use super::triangle_pack::TrianglePack;
+use crate::accel::{Accel, AccelKind, AccelOptions, NO_PRIM, PACK, TrianglePrims};
 use crate::math::{Bounds, DVec2, DVec3, Transform, Vec3};
 use crate::scene::Mesh;
 use std::sync::Arc;
@@ -16,8 +17,32 @@ pub struct MeshShape {
     pub bounds: Bounds,
     /// Over the faces.
     pub tree: Accel,
-    /// Corners of the face in each slot of the tree: one place in memory a test in place of four, and neighbours side by side.
-    pub corners: Vec<[Vec3; 3]>,
+    /// Corners of the faces slot by slot.
+    pub corners: Corners,
+}
+
+/// Corners of the face in each slot of a mesh's tree: one place in memory a test in place of four, and neighbours side by side.
+#[derive(Clone, Debug)]
+pub enum Corners {
+    /// One by one.
+    Slots(Vec<[Vec3; 3]>),
+    /// In the packs of a wide tree.
+    Packs(Vec<TrianglePack>),
+}
+
+impl Corners {
+    fn new(tree: &Accel, mesh: &Mesh) -> Self {
+        let slots = tree.slots();
+        // The corners of no face are one point.
+        let corners = |face: &u32| match *face {
+            NO_PRIM => [Vec3::ZERO; 3],
+            face => mesh.faces[face as usize].map(|v| mesh.vertices[v as usize]),
+        };
+        match tree {
+            Accel::Bvh8(_) => Self::Packs(slots.chunks(PACK).map(|pack| TrianglePack::new(pack.iter().map(corners))).collect()),
+            _ => Self::Slots(slots.iter().map(corners).collect()),
+        }
+    }
 }
 
 impl MeshShape {
@@ -29,7 +54,7 @@ impl MeshShape {
         let used = mesh.faces.iter().flatten().map(|v| mesh.vertices[*v as usize].as_dvec3());
         let bounds = Bounds::from_points(used);
         let tree = Accel::build(accel, &TrianglePrims { vertices: &mesh.vertices, faces: &mesh.faces }, &AccelOptions::default());
-        let corners = tree.slots().iter().map(|face| mesh.faces[*face as usize].map(|v| mesh.vertices[v as usize])).collect();
+        let corners = Corners::new(&tree, &mesh);
         Some(Self { mesh, textures, bounds, tree, corners })
     }
 
@@ -40,8 +65,11 @@ impl MeshShape {
 
     /// Corners of the face in a slot of the tree.
     #[inline]
-    pub fn slot_corners(&self, slot: u32) -> &[Vec3; 3] {
-        &self.corners[slot as usize]
+    pub fn slot_corners(&self, slot: u32) -> [Vec3; 3] {
+        match &self.corners {
+            Corners::Slots(list) => list[slot as usize],
+            Corners::Packs(list) => list[slot as usize / PACK].corners(slot as usize % PACK),
+        }
     }
 
     /// World box of the vertices.

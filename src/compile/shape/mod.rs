@@ -10,6 +10,7 @@ pub mod mesh;
 pub mod simple;
 pub mod sweep;
 pub mod swept;
+pub mod triangle_pack;
 
 pub use algebraic::{PolyShape, QuadricShape, SuperellipsoidShape};
 pub use blob::BlobShape;

@@ -2,7 +2,11 @@
 //! Woop, Benthin, Wald 2013.
 
 use super::{HitSink, LocalRay, Part};
+use crate::accel::{Accel, LeafVisitor, PACK};
 use crate::compile::shape::MeshShape;
+use crate::compile::shape::mesh::Corners;
+use crate::compile::shape::triangle_pack::TrianglePack;
+use crate::math::simd::Simd;
 use crate::math::{DVec2, DVec3, MAX_DISTANCE, Ray, Vec3};
 use std::cell::RefCell;
 
@@ -71,26 +75,121 @@ impl ShearedRay {
     }
 }
 
-/// All crossings of a mesh up to the depth that the sink still wants; one may come twice.
-#[inline]
-pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
-    let sheared = ShearedRay::new(ray);
-    let mut last = (f64::INFINITY, u32::MAX);
-    s.tree.closest_slots(&Ray::new(ray.origin, ray.dir), 0.0, sink.far().min(MAX_DISTANCE), |slot, far| {
-        let (t, a, b) = sheared.hit(s.slot_corners(slot))?;
+/// What a pack of triangles has in common with a ray: the edge functions and depths of all of them.
+struct PackTest {
+    /// Edge functions, `[corner][triangle]`.
+    w: [[f64; PACK]; 3],
+    /// Depths of the corners, not yet scaled.
+    z: [[f64; PACK]; 3],
+    /// A bit for each triangle that the ray may meet.
+    met: u32,
+}
+
+impl PackTest {
+    /// The numbers of [`ShearedRay::hit`], to the last bit, for a triangle of the pack.
+    #[inline(always)]
+    fn hit(&self, ray: &ShearedRay, lane: usize) -> Option<(f64, f64, f64)> {
+        let ([w1, w2, w3], [z1, z2, z3]) =
+            ([self.w[0][lane], self.w[1][lane], self.w[2][lane]], [self.z[0][lane], self.z[1][lane], self.z[2][lane]]);
+        let det = w1 + w2 + w3;
+        if det == 0.0 {
+            return None;
+        }
+        Some((ray.shear[2] * (w1 * z1 + w2 * z2 + w3 * z3) / det, w2 / det, w3 / det))
+    }
+}
+
+impl ShearedRay {
+    /// As [`ShearedRay::hit`], four triangles side by side.
+    #[inline(always)]
+    fn test_pack<S: Simd>(&self, s: S, pack: &TrianglePack) -> PackTest {
+        // No loops, no closures: what stays one is compiled apart, without the wide instructions.
+        let (a, b, c) = (self.corners(s, &pack.0[0]), self.corners(s, &pack.0[1]), self.corners(s, &pack.0[2]));
+        let (w1, w2, w3) = (edge(s, c, b), edge(s, a, c), edge(s, b, a));
+        let (least, most) = (s.min(w1, s.min(w2, w3)), s.max(w1, s.max(w2, w3)));
+        let zero = s.splat(0.0);
+        let mixed = s.lt(least, zero) & s.lt(zero, most);
+        PackTest {
+            w: [s.array(w1), s.array(w2), s.array(w3)],
+            z: [s.array(a[2]), s.array(b[2]), s.array(c[2])],
+            met: !mixed & ((1 << PACK) - 1),
+        }
+    }
+
+    /// The same corner of four triangles, moved and sheared.
+    #[inline(always)]
+    fn corners<S: Simd>(&self, s: S, of: &[[f32; PACK]; 3]) -> [S::F64x4; 3] {
+        let axes = reordered([0usize, 1, 2], self.last_axis);
+        let x = s.sub(s.widen(&of[axes[0]]), s.splat(self.origin[0]));
+        let y = s.sub(s.widen(&of[axes[1]]), s.splat(self.origin[1]));
+        let z = s.sub(s.widen(&of[axes[2]]), s.splat(self.origin[2]));
+        [s.sub(x, s.mul(s.splat(self.shear[0]), z)), s.sub(y, s.mul(s.splat(self.shear[1]), z)), z]
+    }
+}
+
+/// Edge function of two corners.
+#[inline(always)]
+fn edge<S: Simd>(s: S, a: [S::F64x4; 3], b: [S::F64x4; 3]) -> S::F64x4 {
+    s.sub(s.mul(a[0], b[1]), s.mul(a[1], b[0]))
+}
+
+/// What a ray found of a mesh so far, on its way to a sink.
+struct Crossings<'a, S> {
+    mesh: &'a MeshShape,
+    packs: &'a [TrianglePack],
+    ray: &'a ShearedRay,
+    sink: &'a mut S,
+    /// Depth and face of the last.
+    last: (f64, u32),
+}
+
+impl<S: HitSink> Crossings<'_, S> {
+    /// Takes up a hit `(t, a, b)`; gives the depth that still matters if it is a nearer one.
+    #[inline(always)]
+    fn offer(&mut self, (t, a, b): (f64, f64, f64), slot: u32, far: f64) -> Option<f64> {
         if !(t > TOLERANCE && t <= far && t < MAX_DISTANCE) {
             return None;
         }
         // On an edge the face that comes first in the mesh wins, whatever the order of the tree.
-        let face = s.tree.prim_at(slot);
-        if t == last.0 && face >= last.1 {
+        let face = self.mesh.tree.prim_at(slot);
+        if t == self.last.0 && face >= self.last.1 {
             return None;
         }
-        last = (t, face);
-        sink.push(t, Part { face, a, b });
-        let now = sink.far();
+        self.last = (t, face);
+        self.sink.push(t, Part { face, a, b });
+        let now = self.sink.far();
         (now < far).then_some(now)
-    });
+    }
+}
+
+impl<S: HitSink> LeafVisitor for Crossings<'_, S> {
+    #[inline(always)]
+    fn leaf<Lanes: Simd>(&mut self, simd: Lanes, first: u32, count: u32, mut far: f64) -> Option<f64> {
+        let test = self.ray.test_pack(simd, &self.packs[first as usize / PACK]);
+        let mut met = test.met & ((1 << count) - 1);
+        while met != 0 {
+            let lane = met.trailing_zeros();
+            met &= met - 1;
+            if let Some(hit) = test.hit(self.ray, lane as usize) {
+                far = self.offer(hit, first + lane, far).unwrap_or(far);
+            }
+        }
+        Some(far)
+    }
+}
+
+/// All crossings of a mesh up to the depth that the sink still wants; one may come twice.
+#[inline]
+pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
+    let sheared = ShearedRay::new(ray);
+    let (walked, far) = (Ray::new(ray.origin, ray.dir), sink.far().min(MAX_DISTANCE));
+    let mut found = Crossings { mesh: s, packs: &[], ray: &sheared, sink, last: (f64::INFINITY, u32::MAX) };
+    match (&s.tree, &s.corners) {
+        (Accel::Bvh8(tree), Corners::Packs(packs)) => {
+            tree.visit_leaves(&walked, 0.0, far, Crossings { packs, ..found });
+        }
+        (tree, _) => tree.closest_slots(&walked, 0.0, far, |slot, far| found.offer(sheared.hit(&s.slot_corners(slot))?, slot, far)),
+    }
 }
 
 thread_local! {
@@ -109,7 +208,7 @@ pub fn inside_mesh(s: &MeshShape, p: DVec3) -> bool {
     CROSSED.with_borrow_mut(|crossed| {
         crossed.clear();
         s.tree.closest_slots(&Ray::new(p, dir), 0.0, MAX_DISTANCE, |slot, _| {
-            if sheared.hit(s.slot_corners(slot)).is_some_and(|(t, ..)| t > TOLERANCE) && !crossed.contains(&slot) {
+            if sheared.hit(&s.slot_corners(slot)).is_some_and(|(t, ..)| t > TOLERANCE) && !crossed.contains(&slot) {
                 crossed.push(slot);
             }
             None

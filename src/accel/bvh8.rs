@@ -1,0 +1,294 @@
+//! The CPU's wide BVH: nodes of eight boxes, tested at once. The build stands in `accel/bvh8_build.rs`, eight boxes are
+//! tested by `math/simd.rs`.
+//!
+//! Boxes are tested in single precision. The ray is rounded so that a box is never entered too late nor left too early, so what the
+//! double-precision tests of primitives would find is offered all the same; a few more boxes are met. Source: Ize 2013.
+
+use super::boxf::{round_down, round_up};
+use super::bvh::MAX_DEPTH;
+use super::stack::Stack;
+use super::{AccelStats, BoxF, can_meet};
+use crate::math::Ray;
+use crate::math::simd::{self, Kernel, Simd};
+
+/// Marks a leaf in [`Bvh8Node::child`].
+pub const BVH8_LEAF: u32 = 1 << 31;
+/// Children of a node.
+pub const WIDTH: usize = 8;
+/// Leaves begin at multiples of this many slots, and hold at most as many primitives: data kept in slot order can be laid out in packs.
+pub const PACK: usize = 4;
+/// A slot without a primitive.
+pub const NO_PRIM: u32 = u32::MAX;
+
+/// A node: the boxes of its children, not its own. A child that is missing has a box that no ray meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub struct Bvh8Node {
+    /// `[axis][lower, upper side][child]`.
+    pub planes: [[[f32; WIDTH]; 2]; 3],
+    /// Inner child: its node. Leaf: first slot with [`BVH8_LEAF`] set.
+    pub child: [u32; WIDTH],
+    /// Primitives of a leaf, 0 for an inner child.
+    pub count: [u32; WIDTH],
+}
+
+impl Bvh8Node {
+    /// No children.
+    pub(super) const EMPTY: Self =
+        Self { planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], child: [BVH8_LEAF; WIDTH], count: [0; WIDTH] };
+
+    /// Sets child `c`.
+    pub(super) fn set(&mut self, c: usize, bounds: &BoxF, child: u32, count: u32) {
+        for k in 0..3 {
+            self.planes[k][0][c] = bounds.lo[k];
+            self.planes[k][1][c] = bounds.hi[k];
+        }
+        (self.child[c], self.count[c]) = (child, count);
+    }
+
+    /// Box of a child.
+    pub fn child_box(&self, c: usize) -> BoxF {
+        BoxF { lo: self.planes.map(|p| p[0][c]), hi: self.planes.map(|p| p[1][c]) }
+    }
+}
+
+/// A bounding volume hierarchy with eight children a node.
+#[derive(Clone, Debug)]
+pub struct Bvh8 {
+    /// Nodes; the root is the first. Empty for no primitives.
+    pub nodes: Vec<Bvh8Node>,
+    /// Primitive in each slot; [`NO_PRIM`] where a leaf is not full.
+    pub slots: Vec<u32>,
+    /// Box of all primitives.
+    pub bounds: BoxF,
+    /// What came of the build.
+    pub stats: AccelStats,
+}
+
+/// A ray made ready for eight boxes at once, never too late at a near side nor too early at a far side.
+pub(super) struct Bvh8Ray {
+    /// A plane at `s` is reached at `(s - enter) * inv_enter` at the earliest ...
+    pub enter: [f32; 3],
+    pub inv_enter: [f32; 3],
+    /// ... and left behind at `(s - exit) * inv_exit` at the latest.
+    pub exit: [f32; 3],
+    pub inv_exit: [f32; 3],
+    /// 1 where the ray runs down the axis: the index of a box's near side.
+    pub near: [usize; 3],
+}
+
+/// Rounding of a difference, an inverse and a product, twice over.
+const SCALE_SLACK: f32 = 4.0 * f32::EPSILON;
+/// Largest slope: what lies ahead at the smallest distance is then beyond any scene.
+const STEEPEST: f32 = 1e37;
+
+impl Bvh8Ray {
+    /// For a usable ray in a tree whose largest absolute coordinate is `max_abs`.
+    #[inline(always)]
+    fn new(ray: &Ray, max_abs: f32) -> Self {
+        let (o, d) = (ray.origin.as_vec3(), ray.dir);
+        // Twice the rounding of the origin, and of the sum with it.
+        let slack = f32::EPSILON * (o.abs().max_element() + max_abs);
+        let x = Axis::new(o.x, d.x, slack);
+        let y = Axis::new(o.y, d.y, slack);
+        let z = Axis::new(o.z, d.z, slack);
+        Self {
+            enter: [x.enter, y.enter, z.enter],
+            inv_enter: [x.inv_enter, y.inv_enter, z.inv_enter],
+            exit: [x.exit, y.exit, z.exit],
+            inv_exit: [x.inv_exit, y.inv_exit, z.inv_exit],
+            near: [x.near, y.near, z.near],
+        }
+    }
+
+    /// A bit for each child whose box is met in `t_min..=t_max`, and where each is entered. 0 times infinity counts as met.
+    #[inline(always)]
+    fn meet<S: Simd>(&self, s: S, node: &Bvh8Node, t_min: f32, t_max: f32) -> (u32, [f32; WIDTH]) {
+        let ((ax, bx), (ay, by), (az, bz)) = (self.slab(s, node, 0), self.slab(s, node, 1), self.slab(s, node, 2));
+        let near = s.max_f32(ax, s.max_f32(ay, s.max_f32(az, s.splat_f32(t_min))));
+        let far = s.min_f32(bx, s.min_f32(by, s.min_f32(bz, s.splat_f32(t_max))));
+        (s.le_f32(near, far), s.array_f32(near))
+    }
+
+    /// Where the eight slabs across an axis are entered and left.
+    #[inline(always)]
+    fn slab<S: Simd>(&self, s: S, node: &Bvh8Node, k: usize) -> (S::F32x8, S::F32x8) {
+        let side = self.near[k] & 1;
+        let (first, last) = (s.load_f32(&node.planes[k][side]), s.load_f32(&node.planes[k][side ^ 1]));
+        (
+            s.mul_f32(s.sub_f32(first, s.splat_f32(self.enter[k])), s.splat_f32(self.inv_enter[k])),
+            s.mul_f32(s.sub_f32(last, s.splat_f32(self.exit[k])), s.splat_f32(self.inv_exit[k])),
+        )
+    }
+}
+
+/// One axis of a [`Bvh8Ray`].
+struct Axis {
+    enter: f32,
+    inv_enter: f32,
+    exit: f32,
+    inv_exit: f32,
+    near: usize,
+}
+
+impl Axis {
+    #[inline(always)]
+    fn new(o: f32, d: f64, slack: f32) -> Self {
+        let inv = (1.0 / d as f32).clamp(-STEEPEST, STEEPEST);
+        let toward = slack.copysign(inv);
+        Self {
+            enter: o + toward,
+            inv_enter: inv * (1.0 - SCALE_SLACK),
+            exit: o - toward,
+            inv_exit: inv * (1.0 + SCALE_SLACK),
+            near: usize::from(inv < 0.0),
+        }
+    }
+}
+
+/// Entries that a walk may leave behind: seven a level.
+const MAX_STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
+
+/// A child to visit later.
+#[derive(Clone, Copy)]
+struct Entry {
+    t_enter: f32,
+    child: u32,
+    count: u32,
+}
+
+impl Entry {
+    const ROOT: Self = Self { t_enter: 0.0, child: 0, count: 0 };
+}
+
+impl Bvh8 {
+    /// As [`super::Accel::closest_slots`].
+    #[inline]
+    pub fn closest_slots(&self, ray: &Ray, t_min: f64, t_max: f64, hit: impl FnMut(u32, f64) -> Option<f64>) {
+        self.visit_leaves(ray, t_min, t_max, Closest(hit));
+    }
+
+    /// As [`super::Accel::any_slot`].
+    #[inline]
+    pub fn any_slot(&self, ray: &Ray, t_min: f64, t_max: f64, hit: impl FnMut(u32) -> bool) -> bool {
+        self.visit_leaves(ray, t_min, t_max, Any(hit))
+    }
+
+    /// Visits leaves along the ray, near ones first. Tells whether the visitor stopped it.
+    #[inline]
+    pub fn visit_leaves(&self, ray: &Ray, t_min: f64, t_max: f64, visitor: impl LeafVisitor) -> bool {
+        if self.nodes.is_empty() || !can_meet(ray, t_min, t_max) {
+            return false;
+        }
+        let ray = Bvh8Ray::new(ray, self.bounds.max_abs() as f32);
+        simd::run(Walk { tree: self, ray, t_min: round_down(t_min.max(0.0)), t_max, visitor })
+    }
+
+    /// Whether every number in the tree makes sense: children after their parent, slots in range, each primitive below `n_prims`, none twice.
+    pub fn is_sound(&self, n_prims: usize) -> bool {
+        let mut seen = vec![false; n_prims];
+        let once =
+            self.slots.iter().filter(|s| **s != NO_PRIM).all(|r| seen.get_mut(*r as usize).is_some_and(|s| !std::mem::replace(s, true)));
+        once && self.nodes.iter().enumerate().all(|(i, n)| {
+            (0..WIDTH).all(|c| {
+                let (child, count) = (n.child[c], n.count[c]);
+                if child & BVH8_LEAF != 0 {
+                    let first = (child ^ BVH8_LEAF) as usize;
+                    count as usize <= PACK && first.is_multiple_of(PACK) && first + count as usize <= self.slots.len()
+                } else {
+                    count == 0 && child as usize > i && (child as usize) < self.nodes.len()
+                }
+            })
+        })
+    }
+}
+
+/// What is done at leaves.
+pub trait LeafVisitor {
+    /// Tests the primitives in slots `first..first + count` (`first` is a multiple of [`PACK`]); gives the depth that still matters,
+    /// or `None` to stop. `#[inline(always)]`, so that it is compiled for `simd`.
+    fn leaf<S: Simd>(&mut self, simd: S, first: u32, count: u32, t_max: f64) -> Option<f64>;
+}
+
+struct Closest<F>(F);
+
+impl<F: FnMut(u32, f64) -> Option<f64>> LeafVisitor for Closest<F> {
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, _: S, first: u32, count: u32, t_max: f64) -> Option<f64> {
+        Some((first..first + count).fold(t_max, |best, slot| (self.0)(slot, best).unwrap_or(best)))
+    }
+}
+
+struct Any<F>(F);
+
+impl<F: FnMut(u32) -> bool> LeafVisitor for Any<F> {
+    #[inline(always)]
+    fn leaf<S: Simd>(&mut self, _: S, first: u32, count: u32, t_max: f64) -> Option<f64> {
+        if (first..first + count).any(&mut self.0) { None } else { Some(t_max) }
+    }
+}
+
+/// A walk through a tree.
+struct Walk<'t, V> {
+    tree: &'t Bvh8,
+    ray: Bvh8Ray,
+    t_min: f32,
+    t_max: f64,
+    visitor: V,
+}
+
+impl<V: LeafVisitor> Kernel for Walk<'_, V> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) -> bool {
+        let mut far = round_up(self.t_max);
+        let mut stack = Stack::<Entry, MAX_STACK>::new();
+        let mut at = Entry::ROOT;
+        loop {
+            if at.child & BVH8_LEAF == 0 {
+                let node = &self.tree.nodes[at.child as usize];
+                let (mut met, t_enter) = self.ray.meet(simd, node, self.t_min, far);
+                if met != 0 {
+                    let entry = |c: usize| Entry { t_enter: t_enter[c & 7], child: node.child[c & 7], count: node.count[c & 7] };
+                    at = entry(met.trailing_zeros() as usize);
+                    met &= met - 1;
+                    let bottom = stack.len();
+                    while met != 0 {
+                        let mut other = entry(met.trailing_zeros() as usize);
+                        met &= met - 1;
+                        if other.t_enter < at.t_enter {
+                            std::mem::swap(&mut other, &mut at);
+                        }
+                        stack.push(other);
+                        // Nearest on top.
+                        let new = &mut stack.items()[bottom..];
+                        let mut k = new.len() - 1;
+                        while k > 0 && new[k - 1].t_enter < other.t_enter {
+                            new[k] = new[k - 1];
+                            k -= 1;
+                        }
+                        new[k] = other;
+                    }
+                    continue;
+                }
+            } else {
+                match self.visitor.leaf(simd, at.child ^ BVH8_LEAF, at.count, self.t_max) {
+                    Some(t) if t < self.t_max => {
+                        self.t_max = t;
+                        far = round_up(t);
+                    }
+                    Some(_) => {}
+                    None => return true,
+                }
+            }
+            at = loop {
+                match stack.pop() {
+                    Some(e) if e.t_enter <= far => break e,
+                    Some(_) => {}
+                    None => return false,
+                }
+            };
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Several numbers at once: AVX2 where the processor has it, else plain arrays that give the same numbers to the last bit (no fused
+//! multiplication anywhere). The module with `unsafe` for the processor's instructions.
+//!
+//! A [`Kernel`] is written once, over a [`Simd`], and compiled for both; [`run`] takes the one that the processor can do. All of it that
+//! is `#[inline(always)]` is compiled for AVX2 too.
+#![allow(unsafe_code)]
+
+/// Work that is compiled for each kind of processor.
+pub trait Kernel {
+    /// What it gives.
+    type Output;
+    /// Does it. Implementations are `#[inline(always)]`.
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+/// Whether the processor has more than plain arrays.
+#[inline]
+pub fn is_wide() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return is_x86_feature_detected!("avx2");
+    #[cfg(not(target_arch = "x86_64"))]
+    false
+}
+
+/// Does `kernel` with the widest instructions here.
+#[inline]
+pub fn run<K: Kernel>(kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has AVX2.
+        return unsafe { avx2::run(kernel) };
+    }
+    kernel.run(Portable)
+}
+
+/// The processor's lanes. Comparisons give a bit a lane, the first lowest; what is compared with NaN is false.
+/// `min` and `max` give `b` where either is NaN or both are zeros.
+#[expect(missing_docs, reason = "the names say it")]
+pub trait Simd: Copy {
+    type F32x8: Copy;
+    type F64x4: Copy;
+
+    fn splat_f32(self, v: f32) -> Self::F32x8;
+    fn load_f32(self, v: &[f32; 8]) -> Self::F32x8;
+    fn array_f32(self, v: Self::F32x8) -> [f32; 8];
+    fn sub_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn mul_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn min_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn max_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn le_f32(self, a: Self::F32x8, b: Self::F32x8) -> u32;
+
+    fn splat(self, v: f64) -> Self::F64x4;
+    fn widen(self, v: &[f32; 4]) -> Self::F64x4;
+    fn array(self, v: Self::F64x4) -> [f64; 4];
+    fn add(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn sub(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn mul(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn min(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn max(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn lt(self, a: Self::F64x4, b: Self::F64x4) -> u32;
+}
+
+/// Arrays.
+#[derive(Clone, Copy, Debug)]
+pub struct Portable;
+
+#[inline(always)]
+fn zip<T: Copy, const N: usize>(a: [T; N], b: [T; N], f: impl Fn(T, T) -> T) -> [T; N] {
+    std::array::from_fn(|l| f(a[l], b[l]))
+}
+
+#[inline(always)]
+fn bits<T: Copy, const N: usize>(a: [T; N], b: [T; N], f: impl Fn(T, T) -> bool) -> u32 {
+    (0..N).fold(0, |m, l| m | u32::from(f(a[l], b[l])) << l)
+}
+
+impl Simd for Portable {
+    type F32x8 = [f32; 8];
+    type F64x4 = [f64; 4];
+
+    #[inline(always)]
+    fn splat_f32(self, v: f32) -> [f32; 8] {
+        [v; 8]
+    }
+    #[inline(always)]
+    fn load_f32(self, v: &[f32; 8]) -> [f32; 8] {
+        *v
+    }
+    #[inline(always)]
+    fn array_f32(self, v: [f32; 8]) -> [f32; 8] {
+        v
+    }
+    #[inline(always)]
+    fn sub_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        zip(a, b, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn mul_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        zip(a, b, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn min_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        zip(a, b, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn max_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        zip(a, b, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn le_f32(self, a: [f32; 8], b: [f32; 8]) -> u32 {
+        bits(a, b, |a, b| a <= b)
+    }
+    #[inline(always)]
+    fn splat(self, v: f64) -> [f64; 4] {
+        [v; 4]
+    }
+    #[inline(always)]
+    fn widen(self, v: &[f32; 4]) -> [f64; 4] {
+        v.map(f64::from)
+    }
+    #[inline(always)]
+    fn array(self, v: [f64; 4]) -> [f64; 4] {
+        v
+    }
+    #[inline(always)]
+    fn add(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        zip(a, b, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn sub(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        zip(a, b, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn mul(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        zip(a, b, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn min(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        zip(a, b, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn max(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        zip(a, b, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn lt(self, a: [f64; 4], b: [f64; 4]) -> u32 {
+        bits(a, b, |a, b| a < b)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use super::{Kernel, Simd};
+    use std::arch::x86_64::*;
+
+    /// Proof that the processor has AVX2: only [`run`] makes one.
+    #[derive(Clone, Copy)]
+    pub struct Avx2(());
+
+    /// All of the kernel, for AVX2.
+    #[target_feature(enable = "avx2")]
+    pub fn run<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run(Avx2(()))
+    }
+
+    // Intrinsics of AVX and AVX2 on values, and loads and stores of whole arrays, behind the proof.
+    macro_rules! operations {
+        ($($name:ident($($arg:ident: $kind:ty),*) -> $result:ty { $body:expr })*) => {
+            $(
+                #[inline(always)]
+                fn $name(self, $($arg: $kind),*) -> $result {
+                    // SAFETY: the processor has AVX2 (`self`); arrays are as long as what is loaded or stored.
+                    unsafe { $body }
+                }
+            )*
+        };
+    }
+
+    impl Simd for Avx2 {
+        type F32x8 = __m256;
+        type F64x4 = __m256d;
+
+        operations! {
+            splat_f32(v: f32) -> __m256 { _mm256_set1_ps(v) }
+            load_f32(v: &[f32; 8]) -> __m256 { _mm256_loadu_ps(v.as_ptr()) }
+            array_f32(v: __m256) -> [f32; 8] { std::mem::transmute::<__m256, [f32; 8]>(v) }
+            sub_f32(a: __m256, b: __m256) -> __m256 { _mm256_sub_ps(a, b) }
+            mul_f32(a: __m256, b: __m256) -> __m256 { _mm256_mul_ps(a, b) }
+            min_f32(a: __m256, b: __m256) -> __m256 { _mm256_min_ps(a, b) }
+            max_f32(a: __m256, b: __m256) -> __m256 { _mm256_max_ps(a, b) }
+            le_f32(a: __m256, b: __m256) -> u32 { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32 }
+            splat(v: f64) -> __m256d { _mm256_set1_pd(v) }
+            widen(v: &[f32; 4]) -> __m256d { _mm256_cvtps_pd(_mm_loadu_ps(v.as_ptr())) }
+            array(v: __m256d) -> [f64; 4] { std::mem::transmute::<__m256d, [f64; 4]>(v) }
+            add(a: __m256d, b: __m256d) -> __m256d { _mm256_add_pd(a, b) }
+            sub(a: __m256d, b: __m256d) -> __m256d { _mm256_sub_pd(a, b) }
+            mul(a: __m256d, b: __m256d) -> __m256d { _mm256_mul_pd(a, b) }
+            min(a: __m256d, b: __m256d) -> __m256d { _mm256_min_pd(a, b) }
+            max(a: __m256d, b: __m256d) -> __m256d { _mm256_max_pd(a, b) }
+            lt(a: __m256d, b: __m256d) -> u32 { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) as u32 }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every operation on two sets of numbers, as bits.
+    struct All([f32; 8], [f32; 8]);
+
+    impl Kernel for All {
+        type Output = Vec<u64>;
+        #[inline(always)]
+        fn run<S: Simd>(self, s: S) -> Vec<u64> {
+            let (a, b) = (s.load_f32(&self.0), s.load_f32(&self.1));
+            let mut out = vec![s.le_f32(a, b).into()];
+            for v in [s.sub_f32(a, b), s.mul_f32(a, b), s.min_f32(a, b), s.max_f32(a, b), s.splat_f32(self.0[3])] {
+                out.extend(s.array_f32(v).map(|v| if v.is_nan() { 1 } else { u64::from(v.to_bits()) }));
+            }
+            let half = |v: [f32; 8]| s.widen(&[v[0], v[1], v[2], v[3]]);
+            let (a, b) = (half(self.0), half(self.1));
+            out.push(s.lt(a, b).into());
+            for v in [s.add(a, b), s.sub(a, b), s.mul(a, b), s.min(a, b), s.max(a, b), s.splat(self.0[3].into())] {
+                out.extend(s.array(v).map(|v| if v.is_nan() { 1 } else { v.to_bits() }));
+            }
+            out
+        }
+    }
+
+    #[test]
+    fn wide_instructions_give_the_numbers_of_plain_arrays() {
+        let odd = [0.0, -0.0, 1.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1e-45, -2.5];
+        for shift in 0..8 {
+            let mut other = odd;
+            other.rotate_left(shift);
+            assert_eq!(run(All(odd, other)), All(odd, other).run(Portable), "shift {shift}");
+        }
+    }
+}
