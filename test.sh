@@ -26,6 +26,11 @@ else
 fi
 RUSTDOCFLAGS="-D warnings" step cargo doc --no-deps --quiet
 step cargo test
+if python3 -c 'import numpy' 2>/dev/null; then
+  step python3 tests/blender/test_core.py
+else
+  left_out+=("the Blender extension's core (no python3 with numpy)")
+fi
 
 echo
 for what in "${left_out[@]:-}"; do [ -z "$what" ] || echo "left out: $what"; done

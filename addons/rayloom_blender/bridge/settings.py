@@ -58,6 +58,11 @@ def border_of(render):
     return [left, height - top, right, height - bottom]
 
 
+def wanted_passes(view_layer):
+    """The passes that a view layer asks for, by their names in the file."""
+    return [name for switch, name in _PASSES.items() if getattr(view_layer, switch, False)]
+
+
 def render_record(scene, view_layer):
     """The record `render`."""
     r, c = scene.render, settings_of(scene)
@@ -73,7 +78,7 @@ def render_record(scene, view_layer):
         out["motionBlur"] = {"shutter": r.motion_blur_shutter, "position": position.lower()}
         if getattr(c, "rolling_shutter_type", "NONE") == "TOP":
             out["motionBlur"]["rolling"] = c.rolling_shutter_duration
-    passes = [name for switch, name in _PASSES.items() if getattr(view_layer, switch, False)]
+    passes = wanted_passes(view_layer)
     if passes:
         out["passes"] = passes
     if c is None:

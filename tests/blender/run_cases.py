@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs every case of cases.py in a Blender of its own, with a fresh profile and a time limit. Fails when one fails, and when none ran."""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+# Seconds that one case may take: bpy at times hangs at its end, and a renderer may.
+LIMIT = 240
+
+
+def names():
+    """The cases, in their order in the file."""
+    with open(os.path.join(HERE, "cases.py"), encoding="utf-8") as file:
+        return [line.split("(")[0][len("def case_") :] for line in file if line.startswith("def case_")]
+
+
+def run(name, zip_path, scenes):
+    """One case; its output if it failed."""
+    with tempfile.TemporaryDirectory(prefix="rayloom-test-") as folder:
+        env = {**os.environ, "BLENDER_USER_RESOURCES": os.path.join(folder, "profile"), "RAYLOOM_SCENES": scenes or ""}
+        env.pop("RAYLOOM", None)
+        command = [sys.executable, os.path.join(HERE, "cases.py"), name, os.path.abspath(zip_path), folder]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=LIMIT, env=env, check=False)
+        except subprocess.TimeoutExpired as e:
+            return f"no end after {LIMIT} s\n{(e.stdout or b'').decode('utf-8', 'replace')[-2000:]}"
+        # Return codes of Blender mean nothing: the case says itself that it came to its end.
+        if f"CASE {name} PASSED" in done.stdout:
+            for line in done.stdout.splitlines():
+                if line.startswith("CASE SAYS"):
+                    print(f"    {line[10:]}")
+            return None
+        return f"code {done.returncode}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
+
+
+def main():
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--zip", required=True, help="the extension, as addons/build.py makes it")
+    parser.add_argument("--scenes", help="folder of .blend files to render as well")
+    parser.add_argument("cases", nargs="*", help="which ones [default: all]")
+    args = parser.parse_args()
+    chosen = args.cases or names()
+    failed = []
+    for name in chosen:
+        start = time.monotonic()
+        why = run(name, args.zip, args.scenes)
+        print(f"{'FAILED' if why else 'ok    '} {name} ({time.monotonic() - start:.1f} s)", flush=True)
+        if why:
+            failed.append(name)
+            print(why, flush=True)
+    print(f"{len(chosen) - len(failed)} of {len(chosen)} cases passed")
+    return 1 if failed or not chosen else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,232 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""core/ of the Blender extension without Blender: `python3 tests/blender/test_core.py`. Needs numpy."""
+
+import json
+import os
+import struct
+import sys
+import tempfile
+import time
+import unittest
+import zlib
+
+import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "addons"))
+
+from rayloom_blender.core import bake, corners, evaluate, exr, glb, lower, pictures, process  # noqa: E402
+
+
+def read_glb(path):
+    """JSON and binary chunk."""
+    with open(path, "rb") as file:
+        data = file.read()
+    length = struct.unpack_from("<I", data, 12)[0]
+    return json.loads(data[20 : 20 + length]), data[28 + length :]
+
+
+class Files(unittest.TestCase):
+    def test_a_glb_holds_its_arrays(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.glb")
+            g = glb.Gltf("test")
+            points = np.arange(12, dtype=np.float32).reshape(4, 3)
+            g.accessor(points, glb.ARRAY_BUFFER, bounds=True)
+            g.accessor(np.array([1, 2, 3], np.uint8))
+            g.accessor(np.array([7], np.uint32))
+            g.write(path)
+            document, binary = read_glb(path)
+            first, second, third = document["accessors"]
+            self.assertEqual((first["type"], first["min"], first["max"]), ("VEC3", [0, 1, 2], [9, 10, 11]))
+            views = document["bufferViews"]
+            self.assertEqual(binary[: views[0]["byteLength"]], points.tobytes())
+            self.assertEqual(views[second["bufferView"]]["byteLength"], 3)
+            self.assertEqual(views[third["bufferView"]]["byteOffset"] % 4, 0)
+            self.assertEqual(document["buffers"][0]["byteLength"], len(binary))
+            self.assertEqual(os.listdir(folder), ["a.glb"])
+
+    def test_kept_buffers_are_written_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            big = np.arange(1 << 18, dtype=np.uint32)
+            written = []
+            for frame in range(3):
+                g = glb.Gltf("test", keep=os.path.join(folder, "kept"))
+                g.accessor(big)
+                g.accessor(np.full(3, frame, np.uint32))
+                g.write(os.path.join(folder, "a.gltf"))
+                written.append(g.written_bytes)
+            self.assertGreater(written[0], 1 << 20)
+            self.assertLess(max(written[1:]), 1000)
+            with open(os.path.join(folder, "a.gltf"), encoding="utf-8") as file:
+                document = json.load(file)
+            uri = document["buffers"][0]["uri"]
+            self.assertEqual(os.path.getsize(os.path.join(folder, uri)), big.nbytes)
+
+    def test_nothing_stays_of_a_file_that_could_not_be_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            g = glb.Gltf("test")
+            g.document["asset"]["bad"] = float("nan")
+            self.assertRaises(ValueError, g.write, os.path.join(folder, "a.glb"))
+            self.assertEqual(os.listdir(folder), [])
+
+
+class Corners(unittest.TestCase):
+    def test_corners_share_vertices_but_for_seams(self):
+        # Two triangles along an edge; vertex 2 has two values.
+        vertex = np.array([0, 1, 2, 2, 1, 3])
+        value = np.array([[0], [1], [2], [9], [1], [3]], np.float32)
+        source_vertex, source_corner, index = corners.split_corners(vertex, 4, [value])
+        self.assertEqual(len(source_vertex), 5)
+        np.testing.assert_array_equal(source_vertex[index], vertex)
+        np.testing.assert_array_equal(value[source_corner][index], value)
+
+
+class Pictures(unittest.TestCase):
+    def test_own_exr_is_read_back(self):
+        pixels = np.random.default_rng(1).normal(size=(5, 7, 4)).astype(np.float32)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.exr")
+            with open(path, "wb") as file:
+                file.write(pictures.exr(pixels))
+            p = exr.read(path)
+            np.testing.assert_array_equal(np.stack([p.channels[c] for c in "RGBA"], axis=-1), pixels)
+            with open(path, "r+b") as file:
+                file.truncate(300)
+            self.assertRaises(exr.Unreadable, exr.read, path)
+
+    def test_zip_is_undone(self):
+        raw = np.random.default_rng(2).integers(0, 255, 1001).astype(np.uint8)
+        woven = np.concatenate([raw[0::2], raw[1::2]]).astype(np.int64)
+        woven[1:] = (woven[1:] - woven[:-1] + 128) % 256
+        packed = zlib.compress(woven.astype(np.uint8).tobytes())
+        np.testing.assert_array_equal(exr._unzip(packed, 1001), raw)
+
+    def test_png_has_its_depth_and_rows(self):
+        data = pictures.png(np.full((2, 3, 3), 0.5), 16)
+        self.assertEqual(struct.unpack(">IIBB", data[16:26]), (3, 2, 16, 2))
+        self.assertEqual(pictures.mime_of(data), "image/png")
+
+
+class Around:
+    """Something to bake over."""
+
+    def __init__(self):
+        self.pictures, self.grids = [], []
+
+    def uv_box(self, uv_set):
+        return (0.0, 0.0), (1.0, 2.0)
+
+    def body(self):
+        return np.zeros(3), np.array([2.0, 1.0, 1.0])
+
+    def points(self, source, p):
+        return p
+
+    def image(self, ix):
+        raise evaluate.Unknown("image")
+
+    def add_picture(self, pixels, is_color):
+        self.pictures.append(pixels)
+        return len(self.pictures) - 1
+
+    def add_grid(self, values, resolution, body):
+        self.grids.append(values.reshape(resolution[::-1]))
+        return len(self.grids) - 1
+
+
+class Shaders(unittest.TestCase):
+    def lowered(self, nodes):
+        around, told = Around(), []
+        lowering = lower.Lowering(nodes, bake.Baker(around), told.append)
+        return lowering.out[lowering.closure(len(nodes) - 1)], lowering.out, around, told
+
+    def test_constants_are_folded(self):
+        nodes = [
+            {"type": "math", "operation": "multiply", "a": 0.5, "b": 0.5},
+            {"type": "diffuse", "color": [1, 0, 0], "roughness": {"node": 0}},
+        ]
+        closure, out, _, told = self.lowered(nodes)
+        self.assertEqual((closure["roughness"], len(out), told), (0.25, 1, []))
+
+    def test_checkers_become_a_texel_a_cell(self):
+        where = {"source": "uv", "affine": [2, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 0]}
+        nodes = [
+            {"type": "checker", "coordinates": where, "scale": 3.0, "color1": [1, 0, 0], "color2": [0, 0, 1]},
+            {"type": "diffuse", "color": {"node": 0, "output": "color"}},
+        ]
+        closure, out, around, told = self.lowered(nodes)
+        image = out[closure["color"]["node"]]
+        self.assertEqual((image["type"], image["interpolation"], told), ("image", "closest", []))
+        # u from 0.5 to 2.5 times 3, v from 0 to 2 times 3.
+        self.assertEqual(around.pictures[0].shape, (6, 7, 3))
+        a = np.array(image["coordinates"]["affine"]).reshape(3, 4)
+        rng = np.random.default_rng(4)
+        uv = np.column_stack([rng.random(200), 2 * rng.random(200), np.zeros(200)])
+        direct = evaluate.Evaluator(nodes, lambda source, k: uv).value({"node": 0, "output": "color"})
+        at = uv @ a[:, :3].T + a[:, 3]
+        baked = evaluate.sample(around.pictures[0], at[:, 0], at[:, 1], "extend", True)
+        np.testing.assert_array_equal(baked, direct)
+
+    def test_densities_become_grids(self):
+        nodes = [
+            {"type": "gradient", "coordinates": {"source": "object"}, "kind": "linear"},
+            {"type": "math", "operation": "multiply", "a": {"node": 0, "output": "fac"}, "b": 4.0},
+            {"type": "principledVolume", "density": {"node": 1}},
+        ]
+        closure, out, around, told = self.lowered(nodes)
+        self.assertEqual(out[closure["density"]["node"]], {"type": "grid", "grid": 0})
+        grid = around.grids[0]
+        self.assertEqual(grid.shape, (80, 80, 160))
+        self.assertAlmostEqual(float(grid[0, 0, 40]), 4 * 40.5 / 80, places=4)
+        self.assertEqual(len(told), 1)
+
+    def test_lines_of_channels_stay(self):
+        nodes = [
+            {"type": "image", "image": 0, "coordinates": {"source": "uv"}},
+            {"type": "separate", "color": {"node": 0, "output": "color"}},
+            {"type": "math", "operation": "subtract", "a": 1.0, "b": {"node": 1, "output": "y"}},
+            {"type": "principled", "roughness": {"node": 2}, "baseColor": {"node": 0, "output": "color"}},
+        ]
+        closure, out, around, told = self.lowered(nodes)
+        self.assertEqual((out[closure["roughness"]["node"]]["type"], around.pictures, told), ("math", [], []))
+
+
+RENDERER = """
+import json, sys, time
+print(json.dumps({"event": "rendering", "device": "test"}), flush=True)
+print("no JSON", flush=True)
+sys.stderr.write("error: all is lost\\n"); sys.stderr.flush()
+time.sleep(float(sys.argv[1]))
+sys.exit(int(sys.argv[2]))
+"""
+
+
+class Process(unittest.TestCase):
+    def run_renderer(self, seconds, code, cancelled=lambda: False):
+        events = []
+        renderer = process.Renderer([sys.executable, "-c", RENDERER, str(seconds), str(code)], None)
+        return process.drive(renderer, events.append, cancelled), events, renderer
+
+    def test_events_arrive_and_success_is_true(self):
+        done, events, _ = self.run_renderer(0.2, 0)
+        self.assertTrue(done)
+        self.assertEqual(events, [{"event": "rendering", "device": "test"}])
+
+    def test_failure_says_what_was_said(self):
+        with self.assertRaisesRegex(process.RendererError, "found the scene wrong.*all is lost"):
+            self.run_renderer(0.1, 3)
+
+    def test_cancel_ends_it_at_once(self):
+        start = time.monotonic()
+        done, _, renderer = self.run_renderer(30, 0, lambda: time.monotonic() - start > 0.3)
+        self.assertFalse(done or renderer.running())
+        self.assertLess(time.monotonic() - start, 0.8)
+
+    def test_a_missing_program_is_an_error_in_words(self):
+        with self.assertRaisesRegex(process.RendererError, "cannot be started"):
+            process.Renderer(["/nowhere/rayloom"], None)
+
+
+if __name__ == "__main__":
+    unittest.main()
