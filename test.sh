@@ -31,6 +31,8 @@ if python3 -c 'import numpy' 2>/dev/null; then
 else
   left_out+=("the Blender extension's core (no python3 with numpy)")
 fi
+# The picture suite on both machines; its report is target/suite/report.html.
+step cargo run --quiet -- suite tests/scenes --out target/suite --junit target/suite/junit.xml --quiet
 
 echo
 for what in "${left_out[@]:-}"; do [ -z "$what" ] || echo "left out: $what"; done

@@ -58,6 +58,11 @@ fn kib_in(file: &str, key: &str) -> Option<u64> {
     line.trim_start_matches(':').split_whitespace().next()?.parse::<u64>().ok()?.checked_mul(1024)
 }
 
+/// The most bytes that were resident in this process at once; known on Linux.
+pub fn peak() -> Option<u64> {
+    kib_in("/proc/self/status", "VmHWM")
+}
+
 /// Resident bytes of this process.
 fn in_use() -> Option<u64> {
     kib_in("/proc/self/status", "VmRSS")

@@ -1,7 +1,11 @@
 //! Distances between pictures: answers worked out by hand, FLIP against its reference tool, and faults that must be caught.
 
-use rayloom::compare::{Metrics, Picture, PictureError, Tolerance, Verdict, compare, difference_map, flip_map};
+use rayloom::compare::{
+    CompareOptions, Flip, Metrics, Picture, PictureError, Space, Tolerance, Verdict, compare, difference_map, flip_map,
+};
 use rayloom::film::{Encoding, FileFormat, Film, Metadata, write_picture};
+
+const NO_FLIP: CompareOptions = CompareOptions { space: Space::Auto, exposure: 0.0, flip: Flip::None, ssim: false, mask: None };
 
 fn picture(width: u32, height: u32, pixel: impl Fn(u32, u32) -> [f32; 3]) -> Picture {
     let pixels = (0..width * height).map(|i| pixel(i % width, i / width)).map(|[r, g, b]| [r, g, b, 1.0]).collect();
@@ -9,7 +13,7 @@ fn picture(width: u32, height: u32, pixel: impl Fn(u32, u32) -> [f32; 3]) -> Pic
 }
 
 fn metrics(a: &Picture, b: &Picture) -> Metrics {
-    compare(a.clone(), b.clone(), false).expect("one size")
+    compare(a.clone(), b.clone(), &NO_FLIP).expect("one size")
 }
 
 fn bytes(v: [u32; 3]) -> [f32; 3] {
@@ -23,7 +27,7 @@ fn busy() -> Picture {
 
 #[test]
 fn equal_pictures_are_no_distance_apart() {
-    let m = compare(busy(), busy(), true).expect("one size");
+    let m = compare(busy(), busy(), &CompareOptions::default()).expect("one size");
     assert_eq!((m.rmse, m.psnr(), m.mean_absolute, m.n_different, m.largest.value), (0.0, f64::INFINITY, 0.0, 0, 0.0));
     assert_eq!(m.flip.as_ref().map(|f| f.1), Some(0.0));
     assert_eq!(Tolerance::default().judge(&m), (Verdict::Same, vec![]));
@@ -50,7 +54,7 @@ fn rmse_and_psnr_are_those_of_the_formula() {
 #[test]
 fn flip_gives_the_reference_tools_values() {
     // Means of flip_evaluator 1.7 (its maps summed in double precision), at its default 67.02 pixels per degree.
-    let flip = |a: Picture, b: Picture| compare(a, b, true).expect("one size").flip.expect("defined").1;
+    let flip = |a: Picture, b: Picture| compare(a, b, &CompareOptions::default()).expect("one size").flip.expect("defined").1;
     let other = picture(64, 48, |x, y| bytes([x * 4 + y / 2, y * 5 + if x % 16 < 8 { 8 } else { 0 }, x * y + 3 * x]));
     let shifted = picture(64, 48, |x, y| bytes([(x + 63) % 64 * 4, y * 5, (x + 63) % 64 * y]));
     let flat = |v: f32| picture(64, 48, move |_, _| [v; 3]);
@@ -82,7 +86,7 @@ fn every_small_fault_is_caught() {
         assert_eq!(anything.judge(&metrics(&bad, &bad)).0, Verdict::Different, "{value} in both");
         assert_eq!(metrics(&busy(), &bad).non_finite, [0, 1]);
     }
-    assert!(compare(busy(), picture(48, 64, |_, _| [0.0; 3]), false).is_none(), "sizes");
+    assert!(compare(busy(), picture(48, 64, |_, _| [0.0; 3]), &NO_FLIP).is_none(), "sizes");
 }
 
 #[test]
@@ -123,7 +127,7 @@ fn heat_maps_are_black_where_pictures_agree_and_green_where_there_is_no_number()
     let map = difference_map(&metrics(&busy(), &other), 64, 48);
     assert_eq!((map.get_pixel(0, 0).0, map.get_pixel(2, 0).0), ([0, 0, 4], [0, 255, 0]));
     assert!(map.get_pixel(1, 0).0[0] > 200);
-    let m = compare(busy(), busy(), true).expect("one size");
+    let m = compare(busy(), busy(), &CompareOptions::default()).expect("one size");
     assert!(flip_map(&m).expect("a map").pixels().all(|p| p.0 == [0, 0, 4]));
     assert!(flip_map(&metrics(&busy(), &busy())).is_none());
 }

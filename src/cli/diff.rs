@@ -1,6 +1,6 @@
 //! `rayloom diff`: compares two pictures, or two folders of them.
 
-use rayloom::compare::{DEFAULT_MAX_PIXELS, Metrics, Picture, Tolerance, Verdict, compare, difference_map, flip_map};
+use rayloom::compare::{CompareOptions, DEFAULT_MAX_PIXELS, Flip, Metrics, Picture, Tolerance, Verdict, compare, difference_map, flip_map};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -201,7 +201,9 @@ impl Outcome {
         }
         let (Some(b), Some(a)) = (pictures.pop(), pictures.pop()) else { return outcome };
         let sizes = format!("sizes differ: {} x {} and {} x {}", a.width, a.height, b.width, b.height);
-        let Some(metrics) = compare(a, b, !args.no_flip) else {
+        let Some(metrics) =
+            compare(a, b, &CompareOptions { flip: if args.no_flip { Flip::None } else { Flip::Ldr }, ..CompareOptions::default() })
+        else {
             (outcome.verdict, outcome.why) = (Verdict::Different, vec![sizes]);
             return outcome;
         };

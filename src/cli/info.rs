@@ -20,6 +20,9 @@ pub struct InfoArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Print the scene as it was understood: every name resolved, every default filled in
+    #[arg(long, requires = "scene", conflicts_with = "json")]
+    dump: bool,
 }
 
 /// Runs it.
@@ -57,6 +60,14 @@ fn scene(args: &InfoArgs) -> Result<(), JobError> {
     let path = args.scene.clone().expect("called with a scene");
     let (mut map, mut sink) = (SourceMap::default(), Sink::default());
     let loaded = load_scene(&path, &args.library, &mut map, &mut sink);
+    if args.dump {
+        for d in sink.drain() {
+            eprint!("{}", render(&d, &map, style()));
+        }
+        let text = rayloom::scene::dump::dump(&loaded?);
+        print!("{}", text.ok_or_else(|| JobError::Options("the scene's text would be larger than 256 MiB".into()))?);
+        return Ok(());
+    }
     let compiled = loaded.and_then(|s| Ok(rayloom::compile::compile_scene(&s, &CompileOptions::default(), &mut sink)?));
     for d in sink.drain().iter().filter(|d| !args.json || d.severity == Severity::Error) {
         eprint!("{}", render(d, &map, style()));

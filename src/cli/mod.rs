@@ -8,6 +8,7 @@ mod merge;
 mod povray;
 mod progress;
 mod render;
+mod suite;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -24,7 +25,7 @@ struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 internal fault, 2 usage, 3 scene error, 4 file error, 5 device error, 130 interrupted.\n\
-    `rayloom povray` keeps POV-Ray's own: 0 done, 1 error, 2 interrupted. `rayloom diff`: 0 same, 1 warn, 2 different, 4 unreadable.";
+    `rayloom povray` keeps POV-Ray's own: 0 done, 1 error, 2 interrupted. `rayloom diff`, `rayloom suite`: 0 same, 1 warn, 2 different, 4 unreadable.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -37,6 +38,8 @@ enum Command {
     Diff(diff::DiffArgs),
     /// Joins parts of a picture that were rendered apart
     Merge(merge::MergeArgs),
+    /// Renders the scenes of a suite and holds them against their reference pictures
+    Suite(suite::SuiteArgs),
     /// Says what this machine offers, or what a scene uses
     Info(info::InfoArgs),
 }
@@ -55,6 +58,7 @@ pub fn run() -> ExitCode {
         Command::Povray(args) => povray::run(&args),
         Command::Diff(args) => diff::run(args),
         Command::Merge(args) => merge::run(args),
+        Command::Suite(args) => suite::run(&args),
         Command::Info(args) => info::run(&args),
     };
     // A panic is our fault: exit code 1 with its message, never a signal.

@@ -180,8 +180,11 @@ fn statistics(job: &Job, o: &Outcome) -> String {
         "{dashes}\nRender Statistics\nImage Resolution {} x {}\n{dashes}\n\
          Objects: {objects}   Primitives: {prims}   Light Sources: {lights}\n{dashes}\n\
          Parse Time: {load:.3} seconds   Bounding Time: {compile:.3} seconds\n\
-         Trace Time: {trace:.3} seconds on {}   Write Time: {write:.3} seconds\n",
-        r.width, r.height, o.device
+         Trace Time: {trace:.3} seconds on {}   Write Time: {write:.3} seconds\n{}",
+        r.width,
+        r.height,
+        o.device,
+        rayloom::memory::peak().map_or(String::new(), |n| format!("Peak Memory Used: {n} bytes\n")),
     )
 }
 

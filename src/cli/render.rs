@@ -198,7 +198,7 @@ fn report(args: &RenderArgs, job: &Job, o: &Outcome, view: &ProgressView) -> Res
         "width": job.render.width, "height": job.render.height,
         "objects": o.counts[0], "primitives": o.counts[1], "lights": o.counts[2],
         "seconds": {"load": load, "compile": compile, "render": trace, "write": write},
-        "version": env!("CARGO_PKG_VERSION"),
+        "peak_memory_bytes": rayloom::memory::peak(), "version": env!("CARGO_PKG_VERSION"),
     });
     view.event(&serde_json::json!({"event": "finished", "stats": stats}));
     if let Some(path) = &args.stats

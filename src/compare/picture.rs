@@ -1,6 +1,6 @@
 //! Picture files → pixels that can be compared.
 
-use crate::film::{FilmError, linear_from_srgb, read_exr, srgb_from_linear};
+use crate::film::{linear_from_srgb, srgb_from_linear};
 use image::{DynamicImage, ImageDecoder, ImageReader};
 use rayon::prelude::*;
 use std::io::Read;
@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 
 /// Largest number of pixels that is read unless more is asked for: 16 bytes each.
 pub const DEFAULT_MAX_PIXELS: u64 = 100_000_000;
+
+/// How an EXR file begins.
+const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// Why a picture cannot be compared.
 #[derive(Debug, thiserror::Error)]
@@ -40,9 +43,6 @@ pub enum PictureError {
         /// Pixels.
         limit: u64,
     },
-    /// An EXR file that cannot be read.
-    #[error(transparent)]
-    Film(#[from] FilmError),
 }
 
 /// A decoded picture.
@@ -68,20 +68,7 @@ impl Picture {
         let io = |source| PictureError::Io { path: path.to_owned(), source };
         let mut magic = [0; 4];
         let n = std::fs::File::open(path).and_then(|f| f.take(4).read(&mut magic)).map_err(io)?;
-        if magic[..n] == [0x76, 0x2f, 0x31, 0x01] { Self::read_exr(path, max_pixels) } else { Self::read_other(path, max_pixels) }
-    }
-
-    fn read_exr(path: &Path, max_pixels: u64) -> Result<Self, PictureError> {
-        let part = read_exr(path, max_pixels)?;
-        let pixels = part.film.pixels.par_iter().map(|p| [p[0], p[1], p[2], 1.0 - p[3]]).collect();
-        Ok(Self {
-            width: part.film.width,
-            height: part.film.height,
-            pixels,
-            has_alpha: part.alpha,
-            linear: true,
-            depth: "OpenEXR, linear light".into(),
-        })
+        if magic[..n] == EXR_MAGIC { super::layers::read_main(path, max_pixels) } else { Self::read_other(path, max_pixels) }
     }
 
     fn read_other(path: &Path, max_pixels: u64) -> Result<Self, PictureError> {
@@ -119,19 +106,43 @@ impl Picture {
         Ok(Self { width, height, pixels, has_alpha, linear, depth })
     }
 
+    /// Whether a file is an EXR.
+    pub fn is_exr(path: &Path) -> bool {
+        let mut magic = [0; 4];
+        std::fs::File::open(path).and_then(|mut f| f.read_exact(&mut magic)).is_ok() && magic == EXR_MAGIC
+    }
+
     /// The picture as it is shown: sRGB in 0..=1. Numbers that are none stay what they are.
     #[must_use]
-    pub fn into_display(mut self) -> Self {
-        if self.linear {
-            self.linear = false;
-            self.pixels.par_iter_mut().for_each(|p| {
-                for v in &mut p[..3] {
-                    if v.is_finite() {
-                        *v = srgb_from_linear(v.clamp(0.0, 1.0));
-                    }
-                }
-            });
+    pub fn into_display(self) -> Self {
+        self.into_space(false, 0.0)
+    }
+
+    /// The picture in linear light.
+    #[must_use]
+    pub fn into_linear(self) -> Self {
+        self.into_space(true, 0.0)
+    }
+
+    /// The picture in linear light or as it is shown, brightened by `exposure` stops. Numbers that are none stay what they are.
+    #[must_use]
+    pub fn into_space(mut self, linear: bool, exposure: f32) -> Self {
+        if self.linear == linear && exposure == 0.0 {
+            return self;
         }
+        let (from_linear, factor) = (self.linear, exposure.exp2());
+        let convert = move |v: f32| {
+            let light = factor * if from_linear { v } else { linear_from_srgb(v) };
+            if linear { light } else { srgb_from_linear(light.clamp(0.0, 1.0)) }
+        };
+        self.linear = linear;
+        self.pixels.par_iter_mut().for_each(|p| {
+            for v in &mut p[..3] {
+                if v.is_finite() {
+                    *v = convert(*v);
+                }
+            }
+        });
         self
     }
 }

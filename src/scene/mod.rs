@@ -9,6 +9,7 @@
 
 pub mod camera;
 pub mod curves;
+pub mod dump;
 pub mod environment;
 pub mod function;
 pub mod image;

@@ -1,0 +1,45 @@
+"""Renders one picture of a scene with Cycles. Arguments: SCENE OUT.exr WIDTH HEIGHT SAMPLES SEED. Needs Python with bpy (pip install bpy).
+
+Plain path tracing, so that the light is Cycles' own and nothing else: no denoiser, no adaptive sampling, no clamps, no filter on glossy
+reflections; linear light in 32-bit floats.
+"""
+
+import os
+import sys
+
+import bpy
+
+
+def main(scene_path, out, width, height, samples, seed):
+    if scene_path.endswith(".blend"):
+        bpy.ops.wm.open_mainfile(filepath=scene_path)
+    else:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        if scene_path.endswith(".obj"):
+            bpy.ops.wm.obj_import(filepath=scene_path)
+        else:
+            bpy.ops.import_scene.gltf(filepath=scene_path)
+    scene = bpy.context.scene
+    if scene.camera is None:
+        scene.camera = next((o for o in scene.objects if o.type == "CAMERA"), None)
+    if scene.camera is None:
+        raise SystemExit(f"{scene_path} has no camera")
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = width, height, 100
+    scene.render.use_border = False
+    cycles = scene.cycles
+    cycles.device = "CPU"
+    cycles.samples, cycles.seed = samples, seed
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
+    cycles.blur_glossy = 0.0
+    image = scene.render.image_settings
+    image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGB", "32"
+    scene.render.filepath = out
+    bpy.ops.render.render(write_still=True)
+
+
+main(os.path.abspath(sys.argv[1]), sys.argv[2], *map(int, sys.argv[3:7]))
+sys.stdout.flush()
+# Blender's own tidying up at the end may hang in this build of it.
+os._exit(0)
