@@ -347,7 +347,7 @@ mod wrong_programs {
         let b = Bench::new(1);
         let obj = "o Ball\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
         b.write("area/noisy/scene.obj", obj);
-        b.write("area/noisy/test.toml", "about = \"a triangle's edges\"\nreferences = [\"golden\"]\nseeds = [1, 2, 3, 4, 5, 6]\noptions = \"--spp 4\"\n[tolerance.cpu-golden]\nsignificance = 0.01\nmean_ratio = 0.01\nfail = 1.0\nhard_fail = 1.0\nreason = \"noisy\"\n");
+        b.write("area/noisy/test.toml", "about = \"a triangle's edges\"\nreferences = [\"golden\"]\nseeds = [1, 2, 3, 4, 5, 6]\noptions = \"--spp 4\"\n[tolerance.cpu-golden]\nsignificance = 0.01\nsignificant_percent = 0.1\nmean_ratio = 0.01\nfail = 1.0\nhard_fail = 1.0\nreason = \"noisy\"\n");
         b.run(&["--update", "noisy"]);
         assert_eq!(b.run(&["noisy"]).code, 0);
         let toml = std::fs::read_to_string(b.path("area/noisy/test.toml")).expect("readable");

@@ -190,11 +190,11 @@ mod tests {
         let same = z_test(&a, &seeds(8..16, |_| 0.5), 0.01).expect("one size");
         assert_eq!((same.n_beyond, same.n_non_finite), (0, 0), "{same:?}");
         assert!((same.rms - 1.0).abs() < 0.05 && same.mean_z < 4.0, "{same:?}");
-        // One pixel in 3072 that is far off, and 1 % of light that no pixel shows alone.
+        // One pixel in 3072 that is far off, and 1 % of light that no pixel shows alone: z = 0.005 / (0.0204 sqrt(2 / 3072)) = 9.6.
         let spot = z_test(&a, &seeds(8..16, |i| if i == 1000 { 0.9 } else { 0.5 }), 0.01).expect("one size");
         assert!(spot.n_beyond > 0 && spot.at == [1000 % 64, 1000 / 64], "{spot:?}");
         let brighter = z_test(&a, &seeds(8..16, |_| 0.505), 0.01).expect("one size");
-        assert!(brighter.mean_z > 10.0, "{brighter:?}");
+        assert!(brighter.mean_z > 7.0, "{brighter:?}");
     }
 
     #[test]
