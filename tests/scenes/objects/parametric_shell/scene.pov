@@ -1,0 +1,8 @@
+// A parametric surface with bounds of its own.
+#version 3.7;
+global_settings { assumed_gamma 1.0 }
+camera { location <1.6, 2.0, -4.2> look_at <0, 0.1, 0> angle 42 right 4/3*x }
+light_source { <4, 6, -5> rgb 0.9 }
+light_source { <-5, 3, -2> rgb <0.25, 0.27, 0.35> shadowless }
+plane { y, -1 pigment { checker rgb <0.85, 0.82, 0.75>, rgb <0.35, 0.4, 0.45> } finish { ambient 0.1 diffuse 0.7 } }
+parametric { function { 0.6*exp(0.12*u)*cos(u)*(1 + 0.5*cos(v)) } function { 0.35*exp(0.12*u)*sin(v) - 0.2 } function { 0.6*exp(0.12*u)*sin(u)*(1 + 0.5*cos(v)) } <0, 0>, <4, 2*pi> contained_by { box { <-2, -2, -2>, <2, 2, 2> } } precompute 16 x, y, z accuracy 0.02 pigment { rgb <0.8, 0.25, 0.2> } finish { phong 0.6 phong_size 60 } }

@@ -1,0 +1,12 @@
+// Coordinates of a sphere, a box, a torus and a lathe.
+#version 3.7;
+global_settings { assumed_gamma 1.0 }
+camera { location <1.6, 2.0, -4.2> look_at <0, 0.1, 0> angle 42 right 4/3*x }
+light_source { <4, 6, -5> rgb 0.9 }
+light_source { <-5, 3, -2> rgb <0.25, 0.27, 0.35> shadowless }
+plane { y, -1 pigment { checker rgb <0.85, 0.82, 0.75>, rgb <0.35, 0.4, 0.45> } finish { ambient 0.1 diffuse 0.7 } }
+#declare T = texture { uv_mapping pigment { checker rgb <0.9, 0.3, 0.2> rgb 0.9 scale <0.125, 0.25, 1> } }
+sphere { <-1, 0.4, 0>, 0.6 texture { T } }
+box { <0.4, -0.2, 0>, <1.3, 0.8, 0.6> texture { T } rotate 15*y }
+torus { 0.45, 0.2 translate <-0.9, -0.8, -0.8> texture { T } }
+lathe { linear_spline 3, <0.4, -1>, <0.6, -0.5>, <0.1, -0.2> texture { T } translate <0.8, 0, -0.9> }
