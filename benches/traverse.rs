@@ -1,7 +1,7 @@
 //! Build times and rays per second over meshes, kd-tree against BVH, one thread for rays and all for builds.
 //!
 //! `cargo bench --bench traverse -- [--inside] [--only=TREE] [FILE.glb ...]`: without files, a generated terrain and ball.
-//! `--inside` puts the camera in the middle of the mesh instead of in front of it. Hits and the sum of their depths are printed so that trees can be compared.
+//! `--dump=FOLDER` writes faces and rays as `f32` for peers (`benches/peers/embree.py`). `--inside` puts the camera in the middle of the mesh instead of in front of it. Hits and the sum of their depths are printed so that trees can be compared.
 
 use rayloom::accel::AccelKind;
 use rayloom::compile::shape::MeshShape;
@@ -125,6 +125,21 @@ fn time(mesh: &MeshShape, rays: &Rays, any: bool) -> (f64, usize, f64) {
     best
 }
 
+/// Faces (nine numbers each) and rays (origin, direction, far end) for other programs, little-endian.
+fn dump(folder: &str, name: &str, mesh: &Mesh, rays: [(&str, &Rays); 3]) -> std::io::Result<()> {
+    let write = |kind: &str, numbers: &mut dyn Iterator<Item = f32>| {
+        std::fs::write(format!("{folder}/{name}.{kind}"), numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>())
+    };
+    write("faces", &mut mesh.faces.iter().flatten().flat_map(|v| mesh.vertices[*v as usize].to_array()))?;
+    for (kind, list) in rays {
+        write(
+            kind,
+            &mut list.iter().flat_map(|(o, d, far)| o.as_vec3().to_array().into_iter().chain(d.as_vec3().to_array()).chain([*far as f32])),
+        )?;
+    }
+    Ok(())
+}
+
 fn load(path: &Path) -> Mesh {
     let (document, buffers, _) = gltf::import(path).expect("a readable glTF file");
     let mut mesh = Mesh::default();
@@ -160,6 +175,7 @@ fn grid(n: u32, at: impl Fn(f64, f64) -> DVec3) -> Mesh {
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     let inside = args.iter().any(|a| a == "--inside");
+    let dump_to = args.iter().find_map(|a| a.strip_prefix("--dump="));
     let only = args.iter().find_map(|a| a.strip_prefix("--only="));
     let mut meshes: Vec<(String, Arc<Mesh>)> = Vec::new();
     for path in args.iter().filter(|a| !a.starts_with("--")) {
@@ -185,6 +201,9 @@ fn main() {
                 let (s, d) = secondary(&shape, &p);
                 (p, s, d)
             });
+            if let Some(folder) = dump_to {
+                dump(folder, name, mesh, [("primary", p), ("shadow", s), ("diffuse", d)]).expect("a folder to write to");
+            }
             let (p, s, d) = (time(&shape, p, false), time(&shape, s, true), time(&shape, d, false));
             let stats = shape.tree.stats();
             println!(

@@ -174,10 +174,32 @@ fn scenes_write_to_their_own_folders_only() {
 }
 
 /// Slow enough to be interrupted, fast enough to be finished.
-#[cfg(unix)]
 const SLOW: &str = "#version 3.7; global_settings { assumed_gamma 1 }\ncamera { location -5*z }\n\
     light_source { <4, 6, -8> rgb 1 area_light 3*x, 3*y, 24, 24 }\nplane { y, -1 pigment { rgb 0.8 } }\n\
     union { #for (I, 0, 99) sphere { <mod(I, 10) - 5, div(I, 10)/5 - 1, mod(I, 7)/3>, 0.4 } #end pigment { bozo } }\n";
+
+#[test]
+fn a_renderer_ends_with_the_program_that_started_it() {
+    use std::io::{BufRead, BufReader};
+    use std::process::Stdio;
+    let f = Folder::with_scene();
+    std::fs::write(f.path("slow.pov"), SLOW).expect("written");
+    let args = ["render", "slow.pov", "-o", "p.png", "--size", "1600x1200", "--backend", "cpu", "--progress", "json", "--stop-with-stdin"];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rayloom"))
+        .args(args)
+        .current_dir(f.0.path())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let mut lines = BufReader::new(child.stdout.take().expect("piped")).lines();
+    assert!(lines.by_ref().map_while(Result::ok).any(|l| l.contains("\"progress\"")), "finished before its parent did");
+    // As when the parent is gone.
+    drop(child.stdin.take());
+    lines.for_each(drop);
+    assert_eq!(child.wait().expect("ends").code(), Some(130));
+}
 
 #[cfg(unix)]
 #[test]

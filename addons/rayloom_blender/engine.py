@@ -42,7 +42,8 @@ def command_line(path, scene, source, target):
     render, settings, own = scene.render, settings_of(scene), scene.rayloom
     width, height = picture_size(render)
     samples = settings.samples
-    out = [path, "render", source, "-o", target, "--size", f"{width}x{height}", "--spp", str(max(1, samples)), "--progress", "json"]
+    out = [path, "render", source, "-o", target, "--size", f"{width}x{height}", "--spp", str(max(1, samples))]
+    out += ["--progress", "json", "--stop-with-stdin"]
     out += ["--integrator", "auto", "--backend", own.device.lower(), "--accel", own.accelerator.lower()]
     border = border_of(render)
     if border:

@@ -81,6 +81,9 @@ pub struct RenderArgs {
     /// How to show progress
     #[arg(long, value_enum, default_value_t = ProgressKind::Auto)]
     progress: ProgressKind,
+    /// Stop, as by Ctrl-C, when standard input closes: a program that starts this one is then not outlived by it
+    #[arg(long)]
+    stop_with_stdin: bool,
     /// Write times and counts as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
@@ -145,6 +148,9 @@ fn parse_antialias(text: &str) -> Result<AntialiasArg, String> {
 /// Runs it.
 pub fn run(args: &RenderArgs) -> ExitCode {
     let interrupt = Interrupt::listen(130);
+    if args.stop_with_stdin {
+        interrupt.follow_stdin(130);
+    }
     let jobs = match jobs(args) {
         Ok(jobs) => jobs,
         Err(e) => {

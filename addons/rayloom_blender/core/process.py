@@ -27,7 +27,8 @@ class Renderer:
         try:
             self._child = subprocess.Popen(
                 command,
-                stdin=subprocess.DEVNULL,
+                # Never written to: it closes when Blender ends, however it ends, and `--stop-with-stdin` ends the renderer then.
+                stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
                 cwd=folder,
