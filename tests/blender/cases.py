@@ -230,9 +230,10 @@ def case_passes():
     wall("W", -9, 9, -9, 9, material=emission("E", (1, 0.5, 0.25)))
     bpy.context.view_layer.use_pass_z = bpy.context.view_layer.use_pass_normal = True
     render("layers", layers=True)
-    layers = module("core.exr").read(os.path.join(FOLDER, "layers.exr")).layers()
-    names = {name.rpartition(".")[2] for name in layers}
-    assert {"Combined", "Depth", "Normal"} <= names, names
+    with open(os.path.join(FOLDER, "layers.exr"), "rb") as file:
+        head = file.read(20_000)
+    # In parts of their own from 5.0 on, in one before: their names stand in the head of the file either way.
+    assert all(name in head for name in (b"Combined", b"Depth", b"Normal")), head[:2000]
     told = " ".join(log_texts())
     say("passes not rendered yet: " + (told if "is not rendered" in told else "none"))
 
@@ -498,7 +499,10 @@ def value_trees():
 
         return build
 
-    for blend in ("MIX", "ADD", "SUBTRACT", "MULTIPLY", "SCREEN", "DIVIDE", "DIFFERENCE", "EXCLUSION", "DARKEN", "LIGHTEN", "OVERLAY", "LINEAR_LIGHT", "SOFT_LIGHT"):
+    blends = ["MIX", "ADD", "SUBTRACT", "MULTIPLY", "SCREEN", "DIVIDE", "DIFFERENCE", "EXCLUSION", "DARKEN", "OVERLAY", "LINEAR_LIGHT", "SOFT_LIGHT"]
+    if bpy.app.version >= (4, 5):
+        blends.append("LIGHTEN")  # 4.2 has max(a, factor b)
+    for blend in blends:
         yield f"mix {blend}", mix(blend)
 
 
@@ -596,7 +600,9 @@ def case_every_file_keeps_to_the_schema():
     for kind in ("POINT", "SUN", "SPOT", "AREA"):
         scene.collection.objects.link(bpy.data.objects.new(kind, bpy.data.lights.new(kind, kind)))
     scene.world = bpy.data.worlds.new("World")
-    document = module("exporting").export_scene(os.path.join(FOLDER, "all.glb"), scene).gltf.document
+    exporter = module("exporting").export_scene(os.path.join(FOLDER, "all.glb"), scene)
+    assert not exporter.log.entries, exporter.log.entries
+    document = exporter.gltf.document
     with open(os.path.join(os.path.dirname(__file__), "..", "..", "docs", "schema", "RAYLOOM_scene.schema.json"), encoding="utf-8") as file:
         validator = jsonschema.Draft202012Validator(json.load(file))
     wrong = [f"{list(e.absolute_path)}: {e.message[:200]}" for e in validator.iter_errors(document)]

@@ -42,12 +42,12 @@ def light_record(light, log):
         if light.shape in {"RECTANGLE", "ELLIPSE"}:
             record["sizeY"] = light.size_y
         record["spread"] = light.spread
-        if cycles and cycles.is_portal:
+        if getattr(cycles, "is_portal", False):
             record["portal"] = True
     if cycles:
-        if not cycles.use_multiple_importance_sampling:
+        if not getattr(cycles, "use_multiple_importance_sampling", True):
             record["importance"] = False
-        if cycles.max_bounces != 1024:
+        if getattr(cycles, "max_bounces", 1024) != 1024:
             record["maxBounces"] = cycles.max_bounces
     if not light.use_shadow:
         record["castShadow"] = False

@@ -106,12 +106,14 @@ def material_record(material, surroundings, images, uv_names, color_names, log):
             tell("displacement is left out")
     cycles = getattr(material, "cycles", None)
     if cycles is not None:
-        sampling = {"NONE": "none", "FRONT": "front", "BACK": "back", "FRONT_BACK": "frontBack"}.get(cycles.emission_sampling)
+        sides = {"NONE": "none", "FRONT": "front", "BACK": "back", "FRONT_BACK": "frontBack"}
+        sampling = sides.get(getattr(cycles, "emission_sampling", "AUTO"))
         if sampling:
             extension["emissionSampling"] = sampling
-        if cycles.homogeneous_volume:
+        # Gone in 5.0.
+        if getattr(cycles, "homogeneous_volume", False):
             extension["homogeneousVolume"] = True
-        if cycles.volume_step_rate != 1.0:
+        if getattr(cycles, "volume_step_rate", 1.0) != 1.0:
             extension["volumeStepRate"] = cycles.volume_step_rate
     if not getattr(material, "use_transparent_shadow", True):
         extension["transparentShadow"] = False

@@ -106,7 +106,7 @@ def render_record(scene, view_layer):
         filter={"type": _FILTER[c.pixel_filter_type], "width": c.filter_width},
         exposure=c.film_exposure,
         denoise=c.use_denoising,
-        volume={"stepRate": c.volume_step_rate, "maxSteps": c.volume_max_steps},
+        volume={"stepRate": getattr(c, "volume_step_rate", 1.0), "maxSteps": getattr(c, "volume_max_steps", 1024)},
     )
     if c.use_adaptive_sampling:
         out["adaptive"] = {"threshold": c.adaptive_threshold, "minSamples": c.adaptive_min_samples}

@@ -45,11 +45,12 @@ def world_record(world, images, log):
     record["nodes"] = lowering.out
     cycles = getattr(world, "cycles", None)
     if cycles is not None:
-        if cycles.sampling_method == "NONE":
+        method = getattr(cycles, "sampling_method", "AUTOMATIC")
+        if method == "NONE":
             record["sampling"] = "none"
-        elif cycles.sampling_method == "MANUAL":
+        elif method == "MANUAL":
             record["sampling"] = {"resolution": cycles.sample_map_resolution}
-        if cycles.max_bounces != 1024:
+        if getattr(cycles, "max_bounces", 1024) != 1024:
             record["maxBounces"] = cycles.max_bounces
     visibility = getattr(world, "cycles_visibility", None)
     if visibility is not None:

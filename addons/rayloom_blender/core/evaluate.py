@@ -172,13 +172,21 @@ def _safe_divide(a, b):
     return np.where(b != 0.0, a / np.where(b != 0.0, b, 1.0), 0.0)
 
 
+def _power(a, b):
+    """0 where a number below 0 is raised to a fraction."""
+    with np.errstate(divide="ignore", over="ignore"):
+        out = np.power(np.abs(a), b)
+    whole = b == np.floor(b)
+    return np.where(a < 0.0, np.where(whole, np.where(b % 2.0 == 1.0, -out, out), 0.0), out)
+
+
 _MATH = {
     "add": lambda a, b, c: a + b,
     "subtract": lambda a, b, c: a - b,
     "multiply": lambda a, b, c: a * b,
     "divide": lambda a, b, c: _safe_divide(a, b),
     "multiply_add": lambda a, b, c: a * b + c,
-    "power": lambda a, b, c: np.where((a < 0) & (b != np.floor(b)), 0.0, np.power(np.where(a < 0, -1.0, 1.0) * np.maximum(np.abs(a), 0), b)),
+    "power": lambda a, b, c: _power(a, b),
     "logarithm": lambda a, b, c: np.where((a > 0) & (b > 0) & (b != 1), np.log(np.maximum(a, 1e-30)) / np.log(np.maximum(b, 1e-30)), 0.0),
     "sqrt": lambda a, b, c: np.sqrt(np.maximum(a, 0.0)),
     "inverse_sqrt": lambda a, b, c: np.where(a > 0, 1.0 / np.sqrt(np.maximum(a, 1e-30)), 0.0),
@@ -224,7 +232,15 @@ def _dot(a, b):
     return (a * b).sum(axis=-1)
 
 
-_VECTOR_MATH = {
+_VECTORdef _power(a, b):
+    """0 where a number below 0 is raised to a fraction."""
+    with np.errstate(divide="ignore", over="ignore"):
+        out = np.power(np.abs(a), b)
+    whole = b == np.floor(b)
+    return np.where(a < 0.0, np.where(whole, np.where(b % 2.0 == 1.0, -out, out), 0.0), out)
+
+
+_MATH = {
     "add": lambda a, b: a + b,
     "subtract": lambda a, b: a - b,
     "multiply": lambda a, b: a * b,
