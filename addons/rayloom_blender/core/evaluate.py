@@ -232,15 +232,7 @@ def _dot(a, b):
     return (a * b).sum(axis=-1)
 
 
-_VECTORdef _power(a, b):
-    """0 where a number below 0 is raised to a fraction."""
-    with np.errstate(divide="ignore", over="ignore"):
-        out = np.power(np.abs(a), b)
-    whole = b == np.floor(b)
-    return np.where(a < 0.0, np.where(whole, np.where(b % 2.0 == 1.0, -out, out), 0.0), out)
-
-
-_MATH = {
+_VECTOR_MATH = {
     "add": lambda a, b: a + b,
     "subtract": lambda a, b: a - b,
     "multiply": lambda a, b: a * b,
