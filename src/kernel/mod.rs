@@ -2,6 +2,7 @@
 //! The kernel reads a `CompiledScene` and never allocates per ray.
 
 pub mod atmosphere;
+pub mod bsdf;
 pub mod camera;
 pub mod cover;
 pub mod finish;

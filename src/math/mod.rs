@@ -10,6 +10,7 @@ pub mod random;
 pub mod ray;
 pub mod roots;
 pub mod simd;
+pub mod sobol;
 pub mod statistics;
 pub mod transform;
 

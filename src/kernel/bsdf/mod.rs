@@ -1,0 +1,285 @@
+//! What surfaces do to light, one kind of lobe a file, and a set of lobes as one thing to evaluate and sample.
+//!
+//! `v` points to the viewer, `l` to the light; both are unit and leave the surface. Values hold the cosine of the light. Nothing here knows
+//! of scenes. Conventions where a choice is open: Cycles' (docs/path.md).
+
+pub mod albedo;
+pub mod diffuse;
+pub mod frame;
+pub mod fresnel;
+pub mod ggx;
+pub mod hair;
+pub mod microfacet;
+pub mod sheen;
+#[cfg(test)]
+mod tests;
+pub mod thin_film;
+
+use crate::math::{Rgb, Vec3};
+use diffuse::OrenNayar;
+use frame::{Frame, cosine_hemisphere};
+use hair::Hair;
+use microfacet::Microfacet;
+use sheen::Sheen;
+use std::f32::consts::{FRAC_1_PI, PI};
+
+/// Stands for the density of a mirror's one direction: large, so that mixed lobes weigh as they should.
+pub const SINGULAR_DENSITY: f32 = 1e6;
+
+/// What a bounce was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Event {
+    Diffuse,
+    Glossy,
+    /// Through the surface, bent or scattered.
+    Transmission,
+}
+
+/// One kind of answer.
+#[derive(Clone, Copy, Debug)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum LobeKind {
+    Lambert,
+    OrenNayar(OrenNayar),
+    /// Lambert on the far side.
+    Translucent,
+    Microfacet(Microfacet),
+    Sheen(Sheen),
+    Hair(Hair),
+}
+
+/// A weighted lobe about a normal of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Lobe {
+    /// Multiplies the value.
+    pub weight: Rgb,
+    /// Chance to be sampled, relative to the others.
+    pub chance: f32,
+    /// Its frame.
+    pub frame: Frame,
+    /// Its kind.
+    pub kind: LobeKind,
+    /// Factor of diffuse light from beyond a bent normal's own horizon is applied (the frame is not the smooth surface's).
+    pub is_bent: bool,
+}
+
+/// A direction drawn in the frame of a lobe.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalSample {
+    /// To the light.
+    pub l: Vec3,
+    /// Value times cosine.
+    pub value: Rgb,
+    /// Per solid angle.
+    pub pdf: f32,
+    /// A mirror's one direction.
+    pub singular: bool,
+}
+
+/// A direction drawn from a set of lobes.
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfSample {
+    /// To the light, unit, in the world.
+    pub l: Vec3,
+    /// Value times cosine of all lobes.
+    pub value: Rgb,
+    /// Density of all lobes.
+    pub pdf: f32,
+    /// What happened.
+    pub event: Event,
+    /// A mirror's one direction.
+    pub singular: bool,
+    /// Width of the lobe (roughness squared) that was drawn from: 1 for diffuse ones.
+    pub width: f32,
+}
+
+impl Lobe {
+    /// Value without the weight, and density.
+    fn eval(&self, v: Vec3, l: Vec3) -> (Rgb, f32) {
+        let (v, l) = (self.frame.to_local(v), self.frame.to_local(l));
+        match &self.kind {
+            LobeKind::Lambert => {
+                let d = l.z.max(0.0) * FRAC_1_PI;
+                (Vec3::splat(d), d)
+            }
+            LobeKind::OrenNayar(_) if l.z <= 0.0 => (Vec3::ZERO, 0.0),
+            LobeKind::OrenNayar(o) => (o.eval(v, l), l.z * FRAC_1_PI),
+            LobeKind::Translucent => {
+                let d = (-l.z).max(0.0) * FRAC_1_PI;
+                (Vec3::splat(d), d)
+            }
+            LobeKind::Microfacet(m) => m.eval(v, l),
+            LobeKind::Sheen(s) => {
+                let d = s.pdf(l);
+                (Vec3::splat(d * s.albedo), d)
+            }
+            LobeKind::Hair(h) => h.eval(v, l),
+        }
+    }
+
+    fn sample(&self, v: Vec3, [u, w, pick]: [f32; 3]) -> Option<LocalSample> {
+        let v = self.frame.to_local(v);
+        let one = |l: Vec3, value: Rgb, pdf: f32| (pdf > 0.0).then_some(LocalSample { l, value, pdf, singular: false });
+        let s = match &self.kind {
+            LobeKind::Lambert => {
+                let l = cosine_hemisphere(u, w);
+                one(l, Vec3::splat(l.z / PI), l.z / PI)
+            }
+            LobeKind::OrenNayar(o) => {
+                let l = cosine_hemisphere(u, w);
+                one(l, o.eval(v, l), l.z / PI)
+            }
+            LobeKind::Translucent => {
+                let l = cosine_hemisphere(u, w);
+                one(Vec3::new(l.x, l.y, -l.z), Vec3::splat(l.z / PI), l.z / PI)
+            }
+            LobeKind::Microfacet(m) => m.sample(v, u, w, pick),
+            LobeKind::Sheen(s) => {
+                let l = s.sample(u, w);
+                let d = s.pdf(l);
+                one(l, Vec3::splat(d * s.albedo), d)
+            }
+            LobeKind::Hair(h) => h.sample(v, u, w, pick),
+        }?;
+        Some(LocalSample { l: self.frame.to_world(s.l), ..s })
+    }
+
+    /// What a bounce to `l` counts as.
+    fn event(&self, l: Vec3) -> Event {
+        match &self.kind {
+            LobeKind::Lambert | LobeKind::OrenNayar(_) | LobeKind::Sheen(_) => Event::Diffuse,
+            LobeKind::Translucent => Event::Transmission,
+            LobeKind::Microfacet(_) if l.dot(self.frame.n) < 0.0 => Event::Transmission,
+            LobeKind::Hair(h) => h.event(self.frame.to_local(l)),
+            LobeKind::Microfacet(_) => Event::Glossy,
+        }
+    }
+
+    fn width(&self) -> f32 {
+        match &self.kind {
+            LobeKind::Microfacet(m) => (m.ggx.ax * m.ggx.ay).sqrt(),
+            LobeKind::Hair(_) => 0.3,
+            _ => 1.0,
+        }
+    }
+
+    fn is_diffuse(&self) -> bool {
+        matches!(self.kind, LobeKind::Lambert | LobeKind::OrenNayar(_) | LobeKind::Translucent | LobeKind::Sheen(_))
+    }
+
+    /// Whether light from a direction can be asked for.
+    fn is_smooth(&self) -> bool {
+        !matches!(&self.kind, LobeKind::Microfacet(m) if m.ggx.is_singular())
+    }
+}
+
+/// Most lobes of a surface; what exceeds them is left out, the weakest first come first served.
+const MAX_LOBES: usize = 12;
+
+/// All lobes of a surface at a point.
+#[derive(Clone, Debug)]
+pub struct LobeSet {
+    lobes: [Option<Lobe>; MAX_LOBES],
+    n: usize,
+    total: f32,
+    /// Smooth shading normal, unit, on the viewer's side.
+    pub normal: Vec3,
+    /// Normal of the flat face, on the viewer's side.
+    pub flat: Vec3,
+}
+
+/// Dims diffuse light where a bent normal faces it but the surface does not. Source: Conty Estevez, Lecocq and Stein 2019,
+/// "A microfacet-based shadowing function to solve the bump terminator problem", its cubic form.
+fn bump_shadow(smooth: Vec3, bent: Vec3, l: Vec3) -> f32 {
+    let denominator = bent.dot(l) * smooth.dot(bent);
+    let g = if denominator == 0.0 { 0.0 } else { smooth.dot(l) / denominator };
+    if g >= 1.0 {
+        return 1.0;
+    }
+    if g < 0.0 {
+        return 0.0;
+    }
+    let g_sq = g * g;
+    -g_sq * g + g_sq + g
+}
+
+impl LobeSet {
+    /// No lobes yet.
+    pub fn new(normal: Vec3, flat: Vec3) -> Self {
+        Self { lobes: [const { None }; MAX_LOBES], n: 0, total: 0.0, normal, flat }
+    }
+
+    /// Adds a lobe unless it is black.
+    pub fn push(&mut self, lobe: Lobe) {
+        if self.n < MAX_LOBES && lobe.chance > 0.0 && lobe.weight.max_element() > 0.0 {
+            self.total += lobe.chance;
+            self.lobes[self.n] = Some(lobe);
+            self.n += 1;
+        }
+    }
+
+    /// The lobes.
+    pub fn lobes(&self) -> impl Iterator<Item = &Lobe> {
+        self.lobes[..self.n].iter().flatten()
+    }
+
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.n == 0
+    }
+
+    /// Sum of the chances.
+    pub fn total_chance(&self) -> f32 {
+        self.total
+    }
+
+    /// Whether light from a given direction can be reflected at all.
+    pub fn is_smooth(&self) -> bool {
+        self.lobes().any(Lobe::is_smooth)
+    }
+
+    fn shade(&self, lobe: &Lobe, l: Vec3) -> f32 {
+        if lobe.is_bent && lobe.is_diffuse() { bump_shadow(self.normal, lobe.frame.n, l) } else { 1.0 }
+    }
+
+    /// Value and density of a direction.
+    pub fn eval(&self, v: Vec3, l: Vec3) -> (Rgb, f32) {
+        self.eval_but(v, l, usize::MAX)
+    }
+
+    fn eval_but(&self, v: Vec3, l: Vec3, skip: usize) -> (Rgb, f32) {
+        let (mut value, mut pdf) = (Vec3::ZERO, 0.0);
+        for (_, lobe) in self.lobes().enumerate().filter(|(k, _)| *k != skip) {
+            let (f, p) = lobe.eval(v, l);
+            value += f * lobe.weight * self.shade(lobe, l);
+            pdf += p * lobe.chance;
+        }
+        (value, pdf / self.total)
+    }
+
+    /// Draws a direction; `u` are four numbers in 0..1. `None`: the light is lost.
+    pub fn sample(&self, v: Vec3, u: [f32; 4]) -> Option<BsdfSample> {
+        if self.n == 0 {
+            return None;
+        }
+        let mut target = u[3] * self.total;
+        let mut ix = self.n - 1;
+        for (k, lobe) in self.lobes().enumerate() {
+            if target < lobe.chance {
+                ix = k;
+                break;
+            }
+            target -= lobe.chance;
+        }
+        let lobe = self.lobes[ix].as_ref()?;
+        let s = lobe.sample(v, [u[0], u[1], u[2]])?;
+        let (mut value, mut pdf) = (s.value * lobe.weight * self.shade(lobe, s.l), s.pdf * lobe.chance / self.total);
+        if self.n > 1 {
+            let (f, p) = self.eval_but(v, s.l, ix);
+            value += f;
+            pdf += p;
+        }
+        Some(BsdfSample { l: s.l.normalize_or(self.normal), value, pdf, event: lobe.event(s.l), singular: s.singular, width: lobe.width() })
+    }
+}
