@@ -10,6 +10,7 @@ use crate::compile::CompiledScene;
 use crate::film::Film;
 use crate::integrate::antialias::{Block, Sample};
 use crate::integrate::classic::{RadiosityState, ScenePlan, Tracer};
+use crate::integrate::path::{PathPlan, PathTracer};
 use crate::integrate::samples::sample_position;
 use crate::integrate::{IntegratorKind, RenderSettings};
 use rayon::prelude::*;
@@ -45,17 +46,13 @@ impl Backend for CpuBackend {
         progress: &dyn Progress,
         cancel: &AtomicBool,
     ) -> Result<(), BackendError> {
-        if settings.integrator != IntegratorKind::Classic {
-            return Err(BackendError::Unsupported("path tracing on the CPU is not built yet".into()));
+        if settings.integrator == IntegratorKind::Path {
+            return render_paths(scene, settings, settings.threads.clamp(1, self.threads), film, progress, cancel);
         }
         let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
         let ordered = ScenePlan::needs_ordered_rays(scene);
         let threads = if ordered { 1 } else { settings.threads.clamp(1, self.threads) };
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .stack_size(STACK_BYTES)
-            .build()
-            .map_err(|e| BackendError::Unsupported(format!("threads could not be started: {e}")))?;
+        let pool = pool_of(threads)?;
         if ordered {
             // Streams of random numbers cannot be picked up in the middle.
             clear(film, settings.crop);
@@ -84,6 +81,44 @@ impl Backend for CpuBackend {
     }
 }
 
+/// The path integrator: blocks of pixels, every sample by itself.
+fn render_paths(
+    scene: &CompiledScene,
+    settings: &RenderSettings,
+    threads: usize,
+    film: &mut Film,
+    progress: &dyn Progress,
+    cancel: &AtomicBool,
+) -> Result<(), BackendError> {
+    let pool = pool_of(threads)?;
+    let plan = pool.install(|| PathPlan::new(scene, settings.width, settings.height, settings.seed, settings.output_alpha));
+    let (all, n_finished) = unfinished_blocks(film, settings);
+    let done = AtomicU64::new(n_finished);
+    let job = Job { settings, progress, cancel, done, film: Mutex::new(film) };
+    pool.install(|| {
+        all.par_iter().with_max_len(1).for_each(|block| {
+            let mut tracer = PathTracer::new(&plan);
+            job.render_block(*block, settings.samples.len() as u32, |x, y| {
+                let mut sum = [0.0f64; 4];
+                for k in settings.samples.clone() {
+                    let c = tracer.sample(x, y, k);
+                    (0..4).for_each(|k| sum[k] += f64::from(c[k]));
+                }
+                sum.map(|v| (v / settings.samples.len() as f64) as f32)
+            });
+        });
+    });
+    Ok(())
+}
+
+fn pool_of(threads: usize) -> Result<rayon::ThreadPool, BackendError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .stack_size(STACK_BYTES)
+        .build()
+        .map_err(|e| BackendError::Unsupported(format!("threads could not be started: {e}")))
+}
+
 struct Job<'j> {
     settings: &'j RenderSettings,
     progress: &'j dyn Progress,
@@ -93,6 +128,36 @@ struct Job<'j> {
 }
 
 impl Job<'_> {
+    /// A block whose pixels know nothing of each other.
+    fn render_block(&self, block: Block, n_samples: u32, pixel: impl FnMut(u32, u32) -> Sample) {
+        let [x0, y0, x1, y1] = block;
+        let go_on = || !self.cancel.load(Ordering::Relaxed);
+        if !go_on() {
+            return;
+        }
+        let mut pixels = vec![[0.0f32; 4]; (x1 - x0) as usize * (y1 - y0) as usize];
+        let rows = rows_of(block, &go_on, &mut pixels, pixel);
+        self.keep(block, rows, &pixels, n_samples);
+    }
+
+    /// Puts finished rows of a block on the film.
+    fn keep(&self, [x0, y0, x1, _]: Block, rows: u32, pixels: &[Sample], n_samples: u32) {
+        let w = (x1 - x0) as usize;
+        {
+            let mut film = self.film.lock().expect("no thread panics while it holds the film");
+            for r in 0..rows {
+                for x in x0..x1 {
+                    let at = film.index(x, y0 + r);
+                    add_samples(&mut film, at, pixels[(r as usize) * w + (x - x0) as usize], n_samples);
+                }
+            }
+        }
+        let [cx0, cy0, cx1, cy1] = self.settings.crop.map(u64::from);
+        let finished = u64::from(rows) * w as u64;
+        let done = self.done.fetch_add(finished, Ordering::Relaxed) + finished;
+        self.progress.pixels(done, (cx1 - cx0) * (cy1 - cy0));
+    }
+
     fn render(&self, block: Block, tracer: &mut Tracer) {
         let [x0, y0, x1, y1] = block;
         let w = (x1 - x0) as usize;
@@ -112,20 +177,7 @@ impl Job<'_> {
         };
         // Rays that a cancel cut short left their mark on the last row, and on the one above (antialiasing looks up).
         let rows = if go_on() { rows } else { rows.saturating_sub(2) };
-        {
-            let mut film = self.film.lock().expect("no thread panics while it holds the film");
-            for r in 0..rows {
-                for x in x0..x1 {
-                    let at = film.index(x, y0 + r);
-                    let new = pixels[(r as usize) * w + (x - x0) as usize];
-                    add_samples(&mut film, at, new, n_samples);
-                }
-            }
-        }
-        let [cx0, cy0, cx1, cy1] = self.settings.crop.map(u64::from);
-        let finished = u64::from(rows) * w as u64;
-        let done = self.done.fetch_add(finished, Ordering::Relaxed) + finished;
-        self.progress.pixels(done, (cx1 - cx0) * (cy1 - cy0));
+        self.keep(block, rows, &pixels, n_samples);
     }
 
     fn mean_of_samples(&self, tracer: &mut Tracer, x: u32, y: u32) -> Sample {

@@ -6,6 +6,7 @@
 use super::extent::pov_extent_in;
 use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, PrimKind, Surface, prim_flags};
 use super::leaf::{Degenerate, Leaf, LeafTables, add_glyph, add_leaf, padded};
+use super::motion::Motion;
 use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
 use super::tables::{SurfaceTable, TransformTable};
 use super::texture::TextureBuilder;
@@ -13,7 +14,7 @@ use super::{CompileError, CompiledLight, Interior, LightBeam, LightGroup, Media,
 use crate::accel::{Accel, AccelKind, AccelOptions, PrimSet};
 use crate::math::{Bounds, DVec3, Rgbft, Transform};
 use crate::memory::MemoryLimit;
-use crate::scene::{self, Csg, Light, Object, Shape, Texture};
+use crate::scene::{self, Csg, Light, Object, Shape, Texture, Visibility};
 use std::sync::Arc;
 
 /// Most primitives of a scene (triangles of meshes are not counted).
@@ -279,6 +280,17 @@ impl Flattener {
                 None => {}
             }
         }
+        for (kind, bit) in [
+            (Visibility::CAMERA, prim_flags::NO_IMAGE),
+            (Visibility::SHADOW, prim_flags::NO_SHADOW),
+            (Visibility::DIFFUSE, prim_flags::NO_DIFFUSE),
+            (Visibility::GLOSSY, prim_flags::NO_GLOSSY),
+            (Visibility::TRANSMISSION, prim_flags::NO_TRANSMISSION),
+            (Visibility::VOLUME, prim_flags::NO_VOLUME),
+        ] {
+            i.flags |= if object.traits.visibility.has(kind) { 0 } else { bit };
+        }
+        i.flags |= if object.traits.motion.len() > 1 { prim_flags::MOVING } else { 0 };
         i.hollow = f.hollow.or(i.hollow);
         if role == Role::Visible
             && let Some(interior) = &object.interior
@@ -338,6 +350,8 @@ impl Flattener {
             bounded_by: 0..0,
             cull_box: None,
             cutaway: 0..0,
+            traits: object.traits.clone(),
+            motion: Motion::of_object(object, &entered.to_world),
         };
         let mut keeps_bounds = false;
         if let Some(root) = root {
@@ -355,6 +369,11 @@ impl Flattener {
             }
             let leaves = first as usize..self.geometry.prims.len();
             let hit = leaves.filter(|k| self.geometry.prims[*k].flags & prim_flags::INSIDE_ONLY == 0);
+            if let Some(motion) = &record.motion {
+                for k in first as usize..self.geometry.prims.len() {
+                    self.geometry.bounds[k] = motion.swept(&self.geometry.bounds[k]);
+                }
+            }
             record.bounds = hit.fold(Bounds::EMPTY, |b, k| {
                 let leaf = self.geometry.bounds[k];
                 if leaf.is_empty() { b } else { b.union(leaf) }

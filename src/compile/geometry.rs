@@ -3,9 +3,11 @@
 //! CSG is flattened: every leaf is a primitive of its own, whose bounds are already cut by its CSG parents, and whose
 //! clip program says whether a hit on it stands (ARCHITECTURE.md, "CSG without recursion").
 
+use super::motion::Motion;
 use super::shape::Shapes;
 use crate::accel::Accel;
 use crate::math::{Bounds, Transform};
+use crate::scene::object::PathTraits;
 
 /// Kinds of primitives; the number is the tag on the GPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -69,6 +71,13 @@ pub mod prim_flags {
     pub const BOUNDED: u32 = 1 << 14;
     /// Flags that a ray may skip by.
     pub const SKIPPABLE: u32 = NO_SHADOW | NO_IMAGE | NO_REFLECTION | NO_RADIOSITY;
+    /// Unseen by rays of the path integrator after a bounce of that kind. Those of the camera and shadow rays are `NO_IMAGE`, `NO_SHADOW`.
+    pub const NO_DIFFUSE: u32 = 1 << 15;
+    pub const NO_GLOSSY: u32 = 1 << 16;
+    pub const NO_TRANSMISSION: u32 = 1 << 17;
+    pub const NO_VOLUME: u32 = 1 << 18;
+    /// Its object moves while the shutter is open: `ObjectRecord::motion`.
+    pub const MOVING: u32 = 1 << 19;
 }
 
 /// One leaf of the scene.
@@ -172,6 +181,10 @@ pub struct ObjectRecord {
     pub cull_box: Option<Bounds>,
     /// What cut surfaces without a texture show, into [`Geometry::cutaway_parts`].
     pub cutaway: std::ops::Range<u32>,
+    /// What the path integrator asks besides.
+    pub traits: PathTraits,
+    /// How it moves while the shutter is open, in world space; `None`: it stands still.
+    pub motion: Option<Motion>,
 }
 
 /// All geometry of a scene.

@@ -8,6 +8,7 @@ mod flatten;
 pub mod function;
 pub mod geometry;
 mod leaf;
+pub mod motion;
 mod programs;
 pub mod shape;
 pub mod spline;
@@ -74,6 +75,8 @@ pub struct CompiledScene {
     pub background: Rgbft,
     /// The sky, if any.
     pub sky: Option<CompiledSky>,
+    /// What the path integrator sees in place of background and sky.
+    pub environment: Option<crate::scene::Environment>,
     /// Fogs with a distance, in the order of the file.
     pub fogs: Vec<Fog>,
     /// Rainbows.
@@ -326,6 +329,7 @@ fn finish(mut flattener: Flattener, scene: &Scene, options: &CompileOptions) -> 
         settings: scene.settings.clone(),
         background: scene.background,
         sky,
+        environment: scene.environment.clone(),
         fogs: scene.fogs.iter().filter(|f| f.distance != 0.0).cloned().collect(),
         rainbows: scene.rainbows.clone(),
         atmosphere,

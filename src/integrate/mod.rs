@@ -2,6 +2,7 @@
 
 pub mod antialias;
 pub mod classic;
+pub mod path;
 pub mod samples;
 
 /// POV-Ray's antialiasing. Source: spec/light.md, section 12.

@@ -7,6 +7,7 @@ use crate::compile::geometry::{Geometry, PrimKind};
 use crate::compile::shape::MeshShape;
 use crate::math::{DVec2, DVec3, Rgb, Vec3};
 use crate::scene::Principled;
+use crate::scene::input::Picture;
 use crate::scene::material::{AlphaMode, MaterialImage, MaterialTexture, Texels, Wrap};
 use std::sync::LazyLock;
 
@@ -37,11 +38,11 @@ pub fn linear_from_srgb(v: f32) -> f32 {
     if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }
 
-fn texel(t: &MaterialTexture, x: u32, y: u32) -> [f32; 4] {
+fn texel(t: &MaterialTexture, srgb: bool, x: u32, y: u32) -> [f32; 4] {
     let MaterialImage { width, texels, .. } = &*t.image;
     let k = y as usize * *width as usize + x as usize;
     match texels {
-        Texels::Rgba8(list) if t.srgb => {
+        Texels::Rgba8(list) if srgb => {
             let c = list[k];
             let lut = &*LINEAR_FROM_SRGB;
             [lut[usize::from(c[0])], lut[usize::from(c[1])], lut[usize::from(c[2])], f32::from(c[3]) / 255.0]
@@ -49,7 +50,7 @@ fn texel(t: &MaterialTexture, x: u32, y: u32) -> [f32; 4] {
         Texels::Rgba8(list) => list[k].map(|v| f32::from(v) / 255.0),
         Texels::Rgba16(list) => {
             let c = list[k].map(|v| f32::from(v) / 65535.0);
-            if t.srgb { [linear_from_srgb(c[0]), linear_from_srgb(c[1]), linear_from_srgb(c[2]), c[3]] } else { c }
+            if srgb { [linear_from_srgb(c[0]), linear_from_srgb(c[1]), linear_from_srgb(c[2]), c[3]] } else { c }
         }
         Texels::RgbaF32(list) => list[k],
     }
@@ -69,13 +70,28 @@ fn wrapped(k: i64, n: u32, wrap: Wrap) -> u32 {
 }
 
 /// Picture coordinates of mesh coordinates.
-fn picture_uv(t: &MaterialTexture, uv: DVec2) -> DVec2 {
+pub fn picture_uv(t: &MaterialTexture, uv: DVec2) -> DVec2 {
     let row = |r: [f32; 3]| f64::from(r[0]) * uv.x + f64::from(r[1]) * uv.y + f64::from(r[2]);
     DVec2::new(row(t.uv_transform[0]), row(t.uv_transform[1]))
 }
 
 /// Linear red, green, blue, alpha at mesh coordinates. Texel centres lie at half integers.
 pub fn sample_texture(t: &MaterialTexture, uv: DVec2) -> [f32; 4] {
+    sample_as(t, t.srgb, uv)
+}
+
+/// A picture of an input at mesh coordinates: linear red, green, blue, alpha, by the input's own rules.
+pub fn sample_picture(p: &Picture, uv: DVec2) -> [f32; 4] {
+    let t = &p.texture;
+    let late = t.srgb && p.filter_encoded && !matches!(t.image.texels, Texels::RgbaF32(_));
+    let mut c = sample_as(t, t.srgb && !late, uv);
+    if p.premultiplied && c[3] > 0.0 && c[3] < 1.0 {
+        (0..3).for_each(|k| c[k] /= c[3]);
+    }
+    if late { [linear_from_srgb(c[0]), linear_from_srgb(c[1]), linear_from_srgb(c[2]), c[3]] } else { c }
+}
+
+fn sample_as(t: &MaterialTexture, srgb: bool, uv: DVec2) -> [f32; 4] {
     let (w, h) = (t.image.width, t.image.height);
     // Beyond 2^24 pictures nothing can be told apart any more.
     let p = picture_uv(t, uv).clamp(DVec2::splat(-16_777_216.0), DVec2::splat(16_777_216.0));
@@ -88,7 +104,7 @@ pub fn sample_texture(t: &MaterialTexture, uv: DVec2) -> [f32; 4] {
         if clips(x, w, t.wrap[0]) || clips(y, h, t.wrap[1]) {
             return [0.0; 4];
         }
-        texel(t, wrapped(x, w, t.wrap[0]), wrapped(y, h, t.wrap[1]))
+        texel(t, srgb, wrapped(x, w, t.wrap[0]), wrapped(y, h, t.wrap[1]))
     };
     if !t.linear {
         return at(x.floor() as i64, y.floor() as i64);
@@ -108,7 +124,12 @@ pub fn mean_color(t: &MaterialTexture) -> Rgb {
     let mut sum = Vec3::ZERO;
     for j in 0..ny {
         for i in 0..nx {
-            let c = texel(t, (u64::from(i) * u64::from(w) / u64::from(nx)) as u32, (u64::from(j) * u64::from(h) / u64::from(ny)) as u32);
+            let c = texel(
+                t,
+                t.srgb,
+                (u64::from(i) * u64::from(w) / u64::from(nx)) as u32,
+                (u64::from(j) * u64::from(h) / u64::from(ny)) as u32,
+            );
             sum += Vec3::new(c[0], c[1], c[2]);
         }
     }
@@ -116,13 +137,13 @@ pub fn mean_color(t: &MaterialTexture) -> Rgb {
 }
 
 /// The mesh of a hit, if it is one.
-fn mesh_of<'g>(g: &'g Geometry, hit: &SurfaceHit) -> Option<&'g MeshShape> {
+pub fn mesh_of<'g>(g: &'g Geometry, hit: &SurfaceHit) -> Option<&'g MeshShape> {
     let prim = &g.prims[hit.prim_ix as usize];
     (prim.kind == PrimKind::Mesh).then(|| &g.shapes.meshes[prim.shape_ix as usize])
 }
 
 /// Linear RGBA of the mesh's vertex colours at a hit; white without any.
-fn vertex_color(g: &Geometry, hit: &SurfaceHit) -> [f32; 4] {
+pub fn vertex_color(g: &Geometry, hit: &SurfaceHit) -> [f32; 4] {
     let Some(mesh) = mesh_of(g, hit).map(|m| &m.mesh).filter(|m| !m.colors.is_empty()) else { return [1.0; 4] };
     let Some(face) = mesh.faces.get(hit.face_ix as usize) else { return [1.0; 4] };
     let c = face.map(|v| mesh.colors.get(v as usize).copied().unwrap_or([1.0; 4]));

@@ -7,12 +7,15 @@ use super::inside::{inside_object, run_program};
 use super::intersect::{HitSink, LocalRay, Part, intersect_shape, shape_uv, world_normal};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{Geometry, InsideProgram, Prim, prim_flags};
-use crate::math::{DVec2, DVec3, Ray};
+use crate::math::{DVec2, DVec3, Ray, Transform};
 
 /// Smallest depth that any ray but a shadow ray accepts. Source: spec/objects.md, section 0.
 pub const MIN_DEPTH: f64 = 1e-4;
 /// Shadow rays see depths above this, and below the light's distance less this. Source: spec/light.md, section 0.
 pub const SHADOW_TOLERANCE: f64 = 1e-3;
+
+/// The time at which moving objects stand where their transforms say.
+pub const REST: f64 = -1.0;
 
 /// What stands between a point and a light.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +33,14 @@ pub enum ShadowHit {
 
 /// Nearest hit of `ray` with `t_min <= t < t_max` on primitives without any of `skip_flags` (`prim_flags`).
 pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_flags: u32) -> Option<SurfaceHit> {
+    intersect_at(scene, ray, REST, t_min, t_max, skip_flags)
+}
+
+/// As [`intersect`], with moving objects where they are at `time` (0..=1 over the shutter; [`REST`]: as they stand).
+pub fn intersect_at(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, skip_flags: u32) -> Option<SurfaceHit> {
     let g = &scene.geometry;
     let mut nearest = Nearest::new(scene, ray, t_min, t_max);
+    nearest.time = time;
     for_candidates(g, &mut nearest, |nearest, prim_ix| {
         if g.prims[prim_ix as usize].flags & skip_flags == 0 {
             nearest.test(prim_ix);
@@ -42,9 +51,15 @@ pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_
 
 /// Nearest hit of `ray` with object `object_ix` (visible or hidden) alone.
 pub fn intersect_object(scene: &CompiledScene, object_ix: u32, ray: &Ray, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
+    intersect_object_at(scene, object_ix, ray, REST, t_min, t_max)
+}
+
+/// As [`intersect_object`], with a moving object where it is at `time`.
+pub fn intersect_object_at(scene: &CompiledScene, object_ix: u32, ray: &Ray, time: f64, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
     let g = &scene.geometry;
     let object = &g.objects[object_ix as usize];
     let mut nearest = Nearest::new(scene, ray, t_min, t_max);
+    nearest.time = time;
     let slabs = Slabs::new(ray);
     for prim_ix in object.prims.clone() {
         let b = &g.bounds[prim_ix as usize];
@@ -58,11 +73,17 @@ pub fn intersect_object(scene: &CompiledScene, object_ix: u32, ray: &Ray, t_min:
 /// What lies on `ray` with `t_min < t < t_max`: stops at the first opaque hit found anywhere. Primitives without shadow are skipped.
 /// `last` (a primitive or `u32::MAX`) is tried first.
 pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
+    intersect_shadow_at(scene, ray, REST, t_min, t_max, last)
+}
+
+/// As [`intersect_shadow`], with moving objects where they are at `time`.
+pub fn intersect_shadow_at(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
     let g = &scene.geometry;
     // Opaque things end the ray wherever they are, so the nearest clear hit must not shorten it for them.
     let mut clear = Nearest::new(scene, ray, t_min.next_up(), t_max);
     let mut opaque = Nearest::new(scene, ray, t_min.next_up(), t_max);
     opaque.stop_at_first = true;
+    (clear.time, opaque.time) = (time, time);
     let no_blocker = prim_flags::NO_SHADOW | prim_flags::TRANSPARENT | prim_flags::HIDDEN;
     if g.prims.get(last as usize).is_some_and(|p| p.flags & no_blocker == 0) {
         opaque.test(last);
@@ -158,6 +179,10 @@ pub(super) struct Nearest<'a> {
     prim_ix: u32,
     part: Part,
     stop_at_first: bool,
+    /// Of moving objects; below 0 they are at rest.
+    time: f64,
+    /// Moving object met last, and where it is.
+    moved: (u32, Transform),
     /// Primitives tested before, each at its place modulo the length: trees may offer one again and again.
     tested: [u32; N_TESTED],
     /// Object whose bounds were asked last, and the answer.
@@ -178,6 +203,8 @@ impl<'a> Nearest<'a> {
             prim_ix: u32::MAX,
             part: Part::default(),
             stop_at_first: false,
+            time: REST,
+            moved: (u32::MAX, Transform::IDENTITY),
             tested: [u32::MAX; N_TESTED],
             bounds_asked: (u32::MAX, true),
             prim: u32::MAX,
@@ -207,7 +234,12 @@ impl<'a> Nearest<'a> {
         }
         self.prim = prim_ix;
         self.clip = InsideProgram { start: prim.clip_start, len: prim.clip_len };
-        let local = if prim.transform_ix == 0 {
+        let local = if prim.flags & prim_flags::MOVING != 0 && self.time >= 0.0 {
+            let rest = self.ray.into_object(&self.motion_of(prim)).into_object(&g.transforms[prim.transform_ix as usize]);
+            let len = rest.dir.length();
+            self.per_local = 1.0 / len;
+            LocalRay { origin: rest.origin, dir: rest.dir / len, scale: len }
+        } else if prim.transform_ix == 0 {
             self.per_local = 1.0;
             LocalRay { origin: self.ray.origin, dir: self.ray.dir, scale: 1.0 }
         } else {
@@ -220,6 +252,14 @@ impl<'a> Nearest<'a> {
         intersect_shape(self.scene, prim, &local, self);
     }
 
+    /// Where a moving primitive's object is, from where it rests.
+    fn motion_of(&mut self, prim: &Prim) -> Transform {
+        if self.moved.0 != prim.object_ix {
+            self.moved = (prim.object_ix, motion_at(&self.scene.geometry, prim, self.time));
+        }
+        self.moved.1
+    }
+
     /// Whether any hit stands so far.
     #[inline]
     fn found(&self) -> bool {
@@ -228,7 +268,7 @@ impl<'a> Nearest<'a> {
 
     /// The best hit with its normal and coordinates.
     pub fn finish(&self) -> Option<SurfaceHit> {
-        self.found().then(|| surface_hit(self.scene, self.ray, self.t, self.prim_ix, &self.part))
+        self.found().then(|| surface_hit(self.scene, self.ray, self.time, self.t, self.prim_ix, &self.part))
     }
 }
 
@@ -264,10 +304,22 @@ impl HitSink for Nearest<'_> {
     }
 }
 
+/// Where a moving primitive's object is at `time`, from where it rests; the identity below 0 and for what stands still.
+pub fn motion_at(g: &Geometry, prim: &Prim, time: f64) -> Transform {
+    let motion = g.objects.get(prim.object_ix as usize).and_then(|o| o.motion.as_ref());
+    motion.filter(|_| time >= 0.0).map_or(Transform::IDENTITY, |m| m.at(time))
+}
+
 /// Everything about a hit that shading asks for.
-fn surface_hit(scene: &CompiledScene, ray: &Ray, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
+fn surface_hit(scene: &CompiledScene, ray: &Ray, time: f64, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
     let g = &scene.geometry;
     let prim = &g.prims[prim_ix as usize];
+    if prim.flags & prim_flags::MOVING != 0 && time >= 0.0 {
+        let motion = motion_at(g, prim, time);
+        let rest = surface_hit(scene, &ray.into_object(&motion), REST, t, prim_ix, part);
+        let normal = motion.normal(rest.normal).try_normalize().unwrap_or(rest.normal);
+        return SurfaceHit { point: ray.at(t), normal, ..rest };
+    }
     let point = ray.at(t);
     let (local, n) = if prim.transform_ix == 0 {
         (point, world_normal(scene, prim, None, point, part))

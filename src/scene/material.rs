@@ -129,7 +129,7 @@ impl Default for Principled {
 impl Principled {
     /// Whether some of it may let shadow rays pass.
     pub fn lets_light_through(&self) -> bool {
-        self.transmission > 0.0 || self.alpha_mode != AlphaMode::Opaque
+        self.transmission > 0.0 || self.alpha_mode != AlphaMode::Opaque || self.shader.as_ref().is_some_and(|s| s.may_let_through())
     }
 
     /// Whether it shines by itself.

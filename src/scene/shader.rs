@@ -25,6 +25,25 @@ pub struct Shader {
     pub transparent_shadow: bool,
 }
 
+impl Shader {
+    /// Whether shadow rays may pass some of it.
+    pub fn may_let_through(&self) -> bool {
+        self.surface.as_ref().is_none_or(Closure::may_let_through)
+    }
+}
+
+impl Closure {
+    /// Whether shadow rays may pass some of it.
+    pub fn may_let_through(&self) -> bool {
+        match self {
+            Self::Principled(p) => p.alpha.as_constant() != Some(1.0),
+            Self::Transparent { .. } => true,
+            Self::Mix { a, b, .. } | Self::Add(a, b) => a.may_let_through() || b.may_let_through(),
+            _ => false,
+        }
+    }
+}
+
 /// Which sides of shining faces next-event estimation samples; the picture's mean is the same with each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[expect(missing_docs, reason = "the names are Blender's")]

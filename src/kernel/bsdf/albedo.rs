@@ -4,7 +4,7 @@
 //! are kept by index, in steps of 1/1024 of its logarithm. A row costs about 8 ms, once a process, and only what a scene asks for is made.
 //! Source: Kulla and Conty 2017; Turquin 2019.
 
-use super::fresnel::{dielectric, f0_of};
+use super::fresnel::{dielectric, dielectric_average, f0_of};
 use super::ggx::Ggx;
 use crate::math::Vec3;
 use std::sync::{LazyLock, OnceLock};
@@ -102,6 +102,7 @@ type ByEta = Vec<OnceLock<Box<Table>>>;
 static MIRROR: LazyLock<Table> = LazyLock::new(|| Table::new(Quantity::Mirror, 1.0));
 static MIX: LazyLock<ByEta> = LazyLock::new(|| (0..=N_ETA).map(|_| OnceLock::new()).collect());
 static GLASS: LazyLock<ByEta> = LazyLock::new(|| (0..=N_ETA).map(|_| OnceLock::new()).collect());
+static MEANS: LazyLock<Vec<OnceLock<f32>>> = LazyLock::new(|| (0..=N_ETA).map(|_| OnceLock::new()).collect());
 static MIRROR_MEAN: [OnceLock<f32>; N_ROUGHNESS + 1] = [const { OnceLock::new() }; N_ROUGHNESS + 1];
 
 fn by_eta(tables: &ByEta, quantity: Quantity, eta: f32) -> &Table {
@@ -128,6 +129,16 @@ pub fn mirror_mean(roughness: f32) -> f32 {
     let r = roughness.clamp(0.0, 1.0) * N_ROUGHNESS as f32;
     let i = (r as usize).min(N_ROUGHNESS - 1);
     mean(i) + (mean(i + 1) - mean(i)) * (r - i as f32)
+}
+
+/// What a dielectric reflects of light from everywhere, and where that stands between F0 (0) and 1 (1).
+pub fn dielectric_mean(eta: f32) -> f32 {
+    let k = ((eta.ln() + 4.0) * 1024.0).round().clamp(0.0, N_ETA as f32) as usize;
+    *MEANS[k].get_or_init(|| {
+        let eta = (k as f32 / 1024.0 - 4.0).exp();
+        let real = f0_of(eta);
+        (dielectric_average(eta) - real) / (1.0 - real)
+    })
 }
 
 /// Where between F0 (0) and 1 (1) the reflectance of a rough dielectric of index `eta` stands.

@@ -99,7 +99,12 @@ impl Fresnel {
             Self::Mirror => (Vec3::ONE, Vec3::ZERO, 0.0),
             Self::Clear { eta } => {
                 let (f, t) = dielectric(cos, *eta);
-                if t == 0.0 { (Vec3::ZERO, Vec3::ZERO, 0.0) } else { let _ = f; (Vec3::ZERO, Vec3::ONE, t) }
+                if t == 0.0 {
+                    (Vec3::ZERO, Vec3::ZERO, 0.0)
+                } else {
+                    let _ = f;
+                    (Vec3::ZERO, Vec3::ONE, t)
+                }
             }
             Self::Dielectric { eta, f0, tint } => {
                 let (f, t) = dielectric(cos, *eta);

@@ -16,6 +16,7 @@ mod tests;
 pub mod thin_film;
 
 use crate::math::{Rgb, Vec3};
+use crate::scene::Visibility;
 use diffuse::OrenNayar;
 use frame::{Frame, cosine_hemisphere};
 use hair::Hair;
@@ -246,6 +247,37 @@ impl LobeSet {
     /// Value and density of a direction.
     pub fn eval(&self, v: Vec3, l: Vec3) -> (Rgb, f32) {
         self.eval_but(v, l, usize::MAX)
+    }
+
+    /// Value and density for a light that only some kinds of rays see; the density is that of all lobes.
+    pub fn eval_for(&self, v: Vec3, l: Vec3, visibility: Visibility) -> (Rgb, f32) {
+        let all = Visibility::DIFFUSE.with(Visibility::GLOSSY).with(Visibility::TRANSMISSION);
+        if visibility.has(all) {
+            return self.eval(v, l);
+        }
+        let (mut value, mut pdf) = (Vec3::ZERO, 0.0);
+        for lobe in self.lobes() {
+            let (f, p) = lobe.eval(v, l);
+            pdf += p * lobe.chance;
+            let kind = match lobe.event(l) {
+                Event::Diffuse => Visibility::DIFFUSE,
+                Event::Glossy => Visibility::GLOSSY,
+                Event::Transmission => Visibility::TRANSMISSION,
+            };
+            if visibility.has(kind) {
+                value += f * lobe.weight * self.shade(lobe, l);
+            }
+        }
+        (value, pdf / self.total)
+    }
+
+    /// Whether light from behind the surface may reach the viewer.
+    pub fn transmits(&self) -> bool {
+        self.lobes().any(|l| match &l.kind {
+            LobeKind::Translucent | LobeKind::Hair(_) => true,
+            LobeKind::Microfacet(m) => m.refracts,
+            _ => false,
+        })
     }
 
     fn eval_but(&self, v: Vec3, l: Vec3, skip: usize) -> (Rgb, f32) {

@@ -1,0 +1,242 @@
+//! Shining triangles of meshes as lights.
+
+use super::LightSample;
+use super::tree::TreeLight;
+use crate::compile::CompiledScene;
+use crate::compile::geometry::{PrimKind, prim_flags};
+use crate::compile::texture::TextureNode;
+use crate::integrate::path::closure::emission;
+use crate::integrate::path::surface::Surface;
+use crate::kernel::SurfaceHit;
+use crate::kernel::traverse::motion_at;
+use crate::math::{Bounds, DVec2, DVec3, Rgb, Vec3};
+use crate::scene::input::Color;
+use crate::scene::shader::{Closure, EmissionSampling, Shader};
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// A shining triangle at rest, in world space.
+#[derive(Clone, Debug)]
+pub struct Emitter {
+    /// Its primitive and face.
+    pub prim_ix: u32,
+    /// Face of the mesh.
+    pub face_ix: u32,
+    shader: u32,
+    corners: [DVec3; 3],
+    /// Unit front.
+    normal: DVec3,
+    area: f64,
+    /// Only its front is sampled: the back cannot be seen.
+    front_only: bool,
+    moves: bool,
+}
+
+/// All of them.
+pub struct Emitters {
+    /// In the order of primitives and faces.
+    pub list: Vec<Emitter>,
+    /// First emitter of a primitive, and of which of its faces they are (`None`: all).
+    first: HashMap<u32, (u32, Option<HashMap<u32, u32>>)>,
+}
+
+/// A colour's mean over its picture.
+fn mean_of(c: &Color) -> Rgb {
+    let picture = c.picture.as_ref().map_or(Vec3::ONE, |p| crate::kernel::material::mean_color(&p.texture));
+    c.factor * picture
+}
+
+/// About the radiance of a closure.
+fn mean_emission(c: &Closure) -> Rgb {
+    match c {
+        Closure::Emission { color, strength } => {
+            mean_of(color) * strength.as_constant().unwrap_or(strength.factor.max(strength.offset)).max(0.0)
+        }
+        Closure::Principled(p) => {
+            let s = &p.emission_strength;
+            mean_of(&p.emission_color) * s.as_constant().unwrap_or(s.factor.max(s.offset)).max(0.0)
+        }
+        Closure::Mix { a, b, .. } => 0.5 * (mean_emission(a) + mean_emission(b)),
+        Closure::Add(a, b) => mean_emission(a) + mean_emission(b),
+        _ => Vec3::ZERO,
+    }
+}
+
+/// Whether every edge has two faces that run along it in opposite ways.
+fn is_closed(faces: &[[u32; 3]], vertices: &[Vec3]) -> bool {
+    // Vertices that lie in one place are one: exporters split them at seams.
+    let mut places: HashMap<[u32; 3], u32> = HashMap::new();
+    let ids: Vec<u32> = vertices
+        .iter()
+        .map(|v| {
+            let n = places.len() as u32;
+            *places.entry(v.to_array().map(|c| (c + 0.0).to_bits())).or_insert(n)
+        })
+        .collect();
+    let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
+    for f in faces {
+        let f = f.map(|v| ids[v as usize]);
+        for k in 0..3 {
+            let (a, b) = (f[k], f[(k + 1) % 3]);
+            if a != b {
+                *edges.entry((a.min(b), a.max(b))).or_insert(0) += if a < b { 1 } else { 65_537 };
+            }
+        }
+    }
+    !edges.is_empty() && edges.values().all(|n| *n == 65_538)
+}
+
+/// Six times the volume inside faces that run counterclockwise seen from outside.
+fn volume(faces: &[[u32; 3]], vertices: &[Vec3]) -> f64 {
+    let at = |k: u32| vertices[k as usize].as_dvec3();
+    faces.iter().map(|f| at(f[0]).dot(at(f[1]).cross(at(f[2])))).sum()
+}
+
+impl Emitters {
+    /// Of a scene whose materials have `shaders`.
+    pub fn new(scene: &CompiledScene, shaders: &[Arc<Shader>]) -> (Self, Vec<TreeLight>) {
+        let g = &scene.geometry;
+        let mut all = Self { list: Vec::new(), first: HashMap::new() };
+        let mut lights = Vec::new();
+        let mut closed: HashMap<u32, bool> = HashMap::new();
+        let radiances: Vec<f64> = shaders
+            .iter()
+            .map(|s| s.surface.as_ref().map_or(0.0, |c| f64::from(mean_emission(c).max(Vec3::ZERO).element_sum() / 3.0)))
+            .collect();
+        for (prim_ix, prim) in g.prims.iter().enumerate() {
+            if prim.kind != PrimKind::Mesh || prim.flags & prim_flags::HIDDEN != 0 {
+                continue;
+            }
+            let shape = &g.shapes.meshes[prim.shape_ix as usize];
+            let mesh = &shape.mesh;
+            let node = |t: u32| match scene.textures.textures.get(t as usize) {
+                Some(TextureNode::Principled(ix)) => Some(*ix),
+                _ => None,
+            };
+            let own = node(g.surfaces[prim.surface_ix as usize].texture);
+            let shader_of = |face: usize| match mesh.face_textures.get(face) {
+                Some([k, ..]) if *k != u32::MAX => shape.textures.get(*k as usize).and_then(|t| node(*t)),
+                _ => own,
+            };
+            let shines = |s: Option<u32>| {
+                s.filter(|s| radiances[*s as usize] > 0.0 && shaders[*s as usize].emission_sampling != EmissionSampling::None)
+            };
+            if mesh.face_textures.is_empty() && shines(own).is_none() {
+                continue;
+            }
+            let transform = g.transforms[prim.transform_ix as usize];
+            let first = all.list.len() as u32;
+            let mut by_face = HashMap::new();
+            let is_solid = || {
+                is_closed(&mesh.faces, &mesh.vertices)
+                    && volume(&mesh.faces, &mesh.vertices) * transform.forward.matrix3.determinant().signum() > 0.0
+            };
+            for face in 0..mesh.faces.len() {
+                let Some(shader) = shines(shader_of(face)) else { continue };
+                let corners = shape.corners(face as u32).map(|c| transform.point(c));
+                let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+                let area = 0.5 * cross.length();
+                if !(area > 0.0) {
+                    continue;
+                }
+                let front_only = *closed.entry(prim.shape_ix).or_insert_with(is_solid);
+                // The front of a mirrored mesh is where its own front goes.
+                let sign = if transform.forward.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+                let normal = sign * cross.normalize();
+                let moves = prim.flags & prim_flags::MOVING != 0;
+                let mut bounds = Bounds::from_points(corners);
+                if moves {
+                    bounds = g.bounds[prim_ix];
+                }
+                by_face.insert(face as u32, all.list.len() as u32);
+                lights.push(TreeLight {
+                    bounds,
+                    axis: normal,
+                    spread_rad: if front_only && !moves { 0.0 } else { PI },
+                    reach_rad: 0.5 * PI,
+                    energy: radiances[shader as usize] * area,
+                });
+                all.list.push(Emitter { prim_ix: prim_ix as u32, face_ix: face as u32, shader, corners, normal, area, front_only, moves });
+            }
+            if !by_face.is_empty() {
+                let all_faces = by_face.len() == mesh.faces.len();
+                all.first.insert(prim_ix as u32, (first, (!all_faces).then_some(by_face)));
+            }
+        }
+        (all, lights)
+    }
+
+    /// The emitter of a hit.
+    pub fn of_hit(&self, hit: &SurfaceHit) -> Option<u32> {
+        let (first, faces) = self.first.get(&hit.prim_ix)?;
+        match faces {
+            None => Some(first + hit.face_ix),
+            Some(map) => map.get(&hit.face_ix).copied(),
+        }
+    }
+}
+
+impl Emitter {
+    fn corners_at(&self, scene: &CompiledScene, time: f64) -> ([DVec3; 3], DVec3, f64) {
+        if !self.moves {
+            return (self.corners, self.normal, self.area);
+        }
+        let m = motion_at(&scene.geometry, &scene.geometry.prims[self.prim_ix as usize], time);
+        let c = self.corners.map(|p| m.point(p));
+        let cross = (c[1] - c[0]).cross(c[2] - c[0]);
+        (c, m.normal(self.normal).normalize_or(self.normal), 0.5 * cross.length())
+    }
+
+    /// Its middle, at rest.
+    pub fn center(&self) -> DVec3 {
+        (self.corners[0] + self.corners[1] + self.corners[2]) / 3.0
+    }
+
+    /// A point of it as seen from `from`.
+    pub fn sample(&self, scene: &CompiledScene, shaders: &[Arc<Shader>], from: DVec3, time: f64, [u, v]: [f32; 2]) -> Option<LightSample> {
+        let (c, normal, area) = self.corners_at(scene, time);
+        // Source: Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
+        let (u, v) = (f64::from(u), f64::from(v));
+        let (b1, b2) = if v > u { (0.5 * u, v - 0.5 * u) } else { (u - 0.5 * v, 0.5 * v) };
+        let point = c[0] + b1 * (c[1] - c[0]) + b2 * (c[2] - c[0]);
+        let to = point - from;
+        let d_sq = to.length_squared();
+        let distance = d_sq.sqrt();
+        let dir = to / distance;
+        let cos = -dir.dot(normal);
+        if cos == 0.0 || !(distance > 0.0) || (self.front_only && cos < 0.0) {
+            return None;
+        }
+        let hit = SurfaceHit {
+            t: distance,
+            prim_ix: self.prim_ix,
+            face_ix: self.face_ix,
+            point,
+            normal,
+            uv: self.uv(scene, b1, b2),
+            barycentric: DVec2::new(b1, b2),
+        };
+        let surface = Surface::new(scene, hit, dir, time);
+        let radiance = shaders[self.shader as usize].surface.as_ref().map_or(Vec3::ZERO, |c| emission(c, &surface));
+        Some(LightSample { dir, distance, radiance, pdf: (d_sq / (cos.abs() * area)) as f32, ..LightSample::NONE })
+    }
+
+    /// Density with which [`Self::sample`] draws a hit by a ray along `dir` of length `t`.
+    pub fn density(&self, scene: &CompiledScene, dir: DVec3, t: f64, time: f64) -> f32 {
+        let (_, normal, area) = self.corners_at(scene, time);
+        let cos = -dir.dot(normal);
+        if self.front_only && cos < 0.0 {
+            return 0.0;
+        }
+        (t * t / (cos.abs() * area)) as f32
+    }
+
+    fn uv(&self, scene: &CompiledScene, b1: f64, b2: f64) -> DVec2 {
+        let g = &scene.geometry;
+        let mesh = &g.shapes.meshes[g.prims[self.prim_ix as usize].shape_ix as usize].mesh;
+        let Some(ix) = mesh.uv_indices.get(self.face_ix as usize) else { return DVec2::ZERO };
+        let c = ix.map(|k| mesh.uvs.get(k as usize).map_or(DVec2::ZERO, |c| DVec2::new(c[0].into(), c[1].into())));
+        (1.0 - b1 - b2) * c[0] + b1 * c[1] + b2 * c[2]
+    }
+}

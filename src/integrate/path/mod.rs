@@ -1,0 +1,26 @@
+//! Unbiased path tracing with Cycles' light transport, materials, lamps and conventions (docs/path.md).
+//!
+//! [`PathPlan`] holds what all threads share; [`PathTracer`] traces samples. A sample depends on the pixel, its number and the seed alone.
+//! The way of a sample: `camera` → `trace` (one loop over bounces) with `surface` and `closure` at hits, `lights` and `shadow` for direct
+//! light, `volume` and `subsurface` between.
+
+mod bounce;
+mod camera;
+mod closure;
+mod filter;
+mod lights;
+mod plan;
+mod pov;
+mod principled;
+mod sampler;
+mod shader;
+mod shadow;
+mod subsurface;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod trace;
+mod volume;
+
+pub use plan::PathPlan;
+pub use trace::PathTracer;

@@ -1,0 +1,58 @@
+//! What all threads of a rendering share: camera, filter, shaders, lights, limits.
+
+use super::camera::PathCamera;
+use super::filter::FilterTable;
+use super::lights::LightSet;
+use super::shader::shader_of;
+use super::volume::VolumeStack;
+use crate::compile::CompiledScene;
+use crate::compile::geometry::prim_flags;
+use crate::scene::{PathSettings, Shader};
+use std::sync::Arc;
+
+/// A scene made ready for path tracing.
+pub struct PathPlan<'s> {
+    pub(super) scene: &'s CompiledScene,
+    pub(super) settings: PathSettings,
+    pub(super) camera: PathCamera,
+    pub(super) filter: FilterTable,
+    /// By index of `TextureTables::principled`.
+    pub(super) shaders: Vec<Arc<Shader>>,
+    pub(super) lights: LightSet,
+    pub(super) seed: u32,
+    /// The shutter is open for a while.
+    pub(super) has_motion: bool,
+    /// Some body is filled.
+    pub(super) has_volumes: bool,
+    pub(super) output_alpha: bool,
+    /// Bodies around the camera.
+    pub(super) camera_volumes: VolumeStack,
+}
+
+impl<'s> PathPlan<'s> {
+    /// For a picture of `width` x `height` pixels.
+    pub fn new(scene: &'s CompiledScene, width: u32, height: u32, seed: u32, output_alpha: bool) -> Self {
+        let settings = scene.settings.path.clone();
+        let shaders: Vec<Arc<Shader>> = scene.textures.principled.iter().map(shader_of).collect();
+        let lights = LightSet::new(scene, &shaders);
+        let moves = scene.geometry.prims.iter().any(|p| p.flags & prim_flags::MOVING != 0);
+        let has_volumes = shaders.iter().any(|s| s.volume.is_some()) || scene.environment.as_ref().is_some_and(|e| e.volume.is_some());
+        let mut plan = Self {
+            scene,
+            camera_volumes: VolumeStack::default(),
+            camera: PathCamera::new(scene, width, height),
+            filter: FilterTable::new(settings.filter),
+            lights,
+            shaders,
+            seed: seed ^ settings.seed,
+            has_motion: moves || scene.camera.motion.len() > 1,
+            has_volumes,
+            output_alpha: output_alpha || settings.film_transparent,
+            settings,
+        };
+        if has_volumes {
+            plan.camera_volumes = plan.volumes_at(scene.camera.location);
+        }
+        plan
+    }
+}

@@ -1,0 +1,68 @@
+//! What a ray to a light keeps on its way.
+
+use super::closure::transparency;
+use super::plan::PathPlan;
+use super::surface::Surface;
+use super::volume::VolumeStack;
+use crate::kernel::traverse::{ShadowHit, intersect_shadow_at};
+use crate::math::{DVec3, Ray, Rgb, Vec3};
+
+/// Rays do not see what is nearer than this to where they start. Meshes are tested in double precision on exact vertices.
+pub(super) const NEAR: f64 = 1e-6;
+
+impl PathPlan<'_> {
+    /// Share of light that comes through between `from` and `from + dir * distance`. `last` remembers what blocked a ray before.
+    pub(super) fn transmittance(
+        &self,
+        from: DVec3,
+        dir: DVec3,
+        distance: f64,
+        time: f64,
+        volumes: &VolumeStack,
+        last: &mut u32,
+        stream: u32,
+    ) -> Rgb {
+        let mut throughput = Vec3::ONE;
+        let mut volumes = *volumes;
+        let mut ray = Ray::new(from, dir);
+        // The light's own surface does not block it.
+        let mut left = if distance.is_finite() { distance * (1.0 - 1e-7) - NEAR } else { f64::MAX };
+        for passed in 0..=self.settings.transparent_bounces {
+            if left <= NEAR {
+                return throughput;
+            }
+            match intersect_shadow_at(self.scene, &ray, time, NEAR, left, *last) {
+                ShadowHit::None => {
+                    if self.has_volumes {
+                        throughput *= self.volume_transmittance(&volumes, &ray, left.min(distance), stream ^ passed);
+                    }
+                    return throughput;
+                }
+                ShadowHit::Opaque { prim_ix } => {
+                    *last = prim_ix;
+                    return Vec3::ZERO;
+                }
+                ShadowHit::Transparent(hit) => {
+                    let surface = Surface::new(self.scene, hit, dir, time);
+                    let (shader, plain) = self.material(&surface);
+                    let through = match shader {
+                        Some(s) if !s.transparent_shadow && s.surface.is_some() => Vec3::ZERO,
+                        Some(s) => transparency(s.surface.as_ref(), &surface),
+                        None => self.pov_transparency(&surface, plain),
+                    };
+                    throughput *= through;
+                    if throughput.max_element() <= 0.0 {
+                        return Vec3::ZERO;
+                    }
+                    if self.has_volumes {
+                        throughput *= self.volume_transmittance(&volumes, &ray, hit.t, stream ^ passed);
+                        volumes.cross(self, &surface, shader);
+                    }
+                    left -= hit.t;
+                    ray.origin = hit.point;
+                }
+            }
+        }
+        Vec3::ZERO
+    }
+}
