@@ -20,7 +20,7 @@ def main():
     p.add_argument("--scenes", required=True); p.add_argument("--references", required=True)
     p.add_argument("--spp", type=int, default=256); p.add_argument("--out", default="/tmp/cycles16")
     p.add_argument("--program", default="target/debug/rayloom"); p.add_argument("--threads", default="2")
-    p.add_argument("--extra", default="", help="more arguments of the program")
+    p.add_argument("--timeout", type=int, default=3600, help="seconds a scene"); p.add_argument("--extra", default="", help="more arguments of the program")
     p.add_argument("names", nargs="*")
     a = p.parse_args()
     os.makedirs(a.out, exist_ok=True)
@@ -33,7 +33,7 @@ def main():
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         cmd = [a.program, "render", os.path.join(a.scenes, n + ".glb"), "-o", out, "--integrator", "path", "--backend", "cpu", "--size", "320x240",
                "--spp", str(a.spp), "--threads", a.threads, "--progress", "none", *a.extra.split()]
-        done = subprocess.run(cmd, capture_output=True, text=True)
+        done = subprocess.run(["timeout", str(a.timeout), *cmd], capture_output=True, text=True)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if done.returncode:
             print(f"{n}\tfailed: {done.stderr.strip().splitlines()[-1:]}"); continue

@@ -36,7 +36,7 @@ pub struct RenderArgs {
     /// Light transport: POV-Ray's own, or unbiased path tracing
     #[arg(long, value_enum, default_value_t = IntegratorArg::Auto)]
     integrator: IntegratorArg,
-    /// Samples a pixel, instead of POV-Ray's antialiasing [default for models: 16]
+    /// Samples a pixel, instead of POV-Ray's antialiasing [default: 16 for models, 64 with the path integrator]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     spp: Option<u32>,
     /// Render samples A to B-1 of each pixel; ranges rendered apart are joined by `rayloom merge`
@@ -300,7 +300,8 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
         IntegratorArg::Path => IntegratorKind::Path,
         IntegratorArg::Auto | IntegratorArg::Classic => IntegratorKind::Classic,
     };
-    let samples = args.samples.map(|(a, b)| a..b).or(args.spp.map(|n| 0..n)).or(is_model.then_some(0..16));
+    let asked = args.samples.map(|(a, b)| a..b).or(args.spp.map(|n| 0..n));
+    let samples = asked.or((r.integrator == IntegratorKind::Path).then_some(0..64)).or(is_model.then_some(0..16));
     if let Some(range) = samples {
         if range.is_empty() {
             return Err(JobError::Options("the range of samples is empty".into()));

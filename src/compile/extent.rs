@@ -139,6 +139,11 @@ fn leaf_extent(object: &Object, tables: &mut LeafTables) -> Bounds {
             let low = if same { 0.0 } else { radius_a.min(*radius_b) / radius_a.max(*radius_b) };
             canonical(object, 1.0, low, 1.0, tables)
         }
+        Shape::Curves(c) => {
+            let most = c.radii.iter().fold(0.0f32, |a, b| a.max(*b));
+            let b = Bounds::from_points(c.points.iter().map(|p| p.as_dvec3()));
+            around(Bounds { min: b.min - f64::from(most), max: b.max + f64::from(most) })
+        }
         Shape::Mesh(mesh) => around(Bounds::from_points(mesh.vertices.iter().map(|v| v.as_dvec3()))),
         Shape::BicubicPatch { points, .. } => Bounds::from_points(points.iter().flatten().map(|p| t.point(*p))),
         Shape::Isosurface { container, .. } | Shape::Parametric { container, .. } => around(container_bounds(container)),

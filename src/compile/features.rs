@@ -14,7 +14,7 @@ pub(super) fn find(scene: &CompiledScene) -> FeatureSet {
         f.transparency |= p.flags & prim_flags::TRANSPARENT != 0;
         f.uv |= p.flags & (prim_flags::UV_MAPPING | prim_flags::NEEDS_UV) != 0;
     }
-    debug_assert!(PrimKind::Glyph as u32 <= 63, "kinds are bits of a u64");
+    debug_assert!(PrimKind::Hair as u32 <= 63, "kinds are bits of a u64");
     f.refraction = f.transparency && scene.interiors.iter().any(|i| i.ior != 1.0);
     f.dispersion = f.refraction && scene.interiors.iter().any(|i| i.dispersion != 1.0);
     f.media = !scene.atmosphere.is_empty() || scene.interiors.iter().any(|i| !i.media.is_empty());

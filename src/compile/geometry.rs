@@ -39,6 +39,8 @@ pub enum PrimKind {
     Isosurface,
     Parametric,
     Glyph,
+    /// Imports only.
+    Hair,
 }
 
 /// Bits of [`Prim::flags`].

@@ -6,9 +6,9 @@ use super::shape::implicit::container_bounds;
 use super::shape::mesh::patch_mesh;
 use super::shape::simple::frame_along;
 use super::shape::{
-    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HeightFieldShape, IsosurfaceShape, JuliaShape, LatheShape,
-    MeshShape, OvusShape, ParametricShape, PlaneShape, PolyShape, PolygonShape, PrismShape, QuadricShape, Shapes, SorShape, SphereShape,
-    SphereSweepShape, SuperellipsoidShape, TorusShape, TriangleShape,
+    BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HairShape, HeightFieldShape, IsosurfaceShape, JuliaShape,
+    LatheShape, MeshShape, OvusShape, ParametricShape, PlaneShape, PolyShape, PolygonShape, PrismShape, QuadricShape, Shapes, SorShape,
+    SphereShape, SphereSweepShape, SuperellipsoidShape, TorusShape, TriangleShape,
 };
 use super::tables::TransformTable;
 use super::texture::TextureBuilder;
@@ -101,6 +101,13 @@ pub(super) fn add_leaf(
         return Ok(Leaf { kind: PrimKind::Mesh, shape_ix: ix, transform: *to_world, surface_bounds: bounds, inside_bounds, solid });
     }
     let accel = tables.accel;
+    if let Shape::Curves(curves) = &object.shape {
+        let hair = HairShape::new(curves, accel).ok_or(Degenerate)?;
+        let bounds = padded(hair.bounds.transformed(to_world));
+        let shape_ix = push(&mut tables.shapes.hairs, hair);
+        let (surface_bounds, inside_bounds) = (bounds, Bounds::EMPTY);
+        return Ok(Leaf { kind: PrimKind::Hair, shape_ix, transform: *to_world, surface_bounds, inside_bounds, solid: false });
+    }
     let shapes = &mut tables.shapes;
     match &object.shape {
         Shape::Sphere { center, radius } => {

@@ -33,6 +33,7 @@ impl Geometry {
             PrimKind::Isosurface => s.isosurfaces.len(),
             PrimKind::Parametric => s.parametrics.len(),
             PrimKind::Glyph => s.glyphs.len(),
+            PrimKind::Hair => s.hairs.len(),
         }
     }
 

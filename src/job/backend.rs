@@ -6,6 +6,7 @@ use crate::backend::{Backend, BackendError};
 use crate::compile::CompiledScene;
 use crate::diag::{Sink, SourceMap};
 use crate::film::Film;
+use crate::integrate::IntegratorKind;
 use std::sync::atomic::AtomicBool;
 
 /// Which machine the user wants.
@@ -37,6 +38,11 @@ pub(super) fn render(
         listener.stage(&Stage::Rendering { device: machine.name(), resumed_pixels });
         machine.render(scene, &job.render, film, &Pixels(listener), cancel)
     };
+    if job.render.integrator == IntegratorKind::Path {
+        for (key, what) in crate::integrate::path::left_out(scene) {
+            sink.note_once(key, None, what);
+        }
+    }
     if job.backend != BackendChoice::Cpu {
         let result = gpu(job.backend).and_then(|machine| on(machine.as_ref(), film));
         match (result, job.backend) {

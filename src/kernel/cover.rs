@@ -1,11 +1,12 @@
 //! Which textures a hit shows, and how much of each. Each is fully shaded and the results are averaged.
 //! Source: spec/light.md, section 3; spec/objects.md, sections 4, 6 and 13.
 
-use super::SurfaceHit;
 use super::inside::run_program;
 use super::intersect::blob::blob_weights;
-use crate::compile::geometry::{PrimKind, Surface, prim_flags};
+use super::{PatternPoint, SurfaceHit};
+use crate::compile::geometry::{Prim, PrimKind, Surface, prim_flags};
 use crate::compile::{CompiledScene, NONE};
+use crate::math::DVec3;
 
 /// A texture that a hit shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,25 @@ pub struct Cover {
     pub transform_ix: u32,
     /// Share; those of a hit add up to 1.
     pub weight: f32,
+}
+
+/// Where the patterns of a cover in space `transform_ix` are looked up.
+pub fn pattern_point(
+    scene: &CompiledScene,
+    hit: &SurfaceHit,
+    prim: &Prim,
+    transform_ix: u32,
+    normal: DVec3,
+    ray_dir: DVec3,
+) -> PatternPoint {
+    let point = if prim.flags & prim_flags::UV_MAPPING != 0 {
+        DVec3::new(hit.uv.x, hit.uv.y, 0.0)
+    } else if transform_ix == 0 {
+        hit.point
+    } else {
+        scene.geometry.transforms[transform_ix as usize].inverse_point(hit.point)
+    };
+    PatternPoint { point, uv: hit.uv, world: hit.point, normal, ray_dir }
 }
 
 /// Calls `f` with every texture of a hit; with none where nothing is drawn. `from_inside`: the normal, inversion applied, runs with the ray.

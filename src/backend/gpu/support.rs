@@ -80,6 +80,7 @@ fn object_name(kind: PrimKind) -> &'static str {
         PrimKind::Isosurface => "isosurface",
         PrimKind::Parametric => "parametric",
         PrimKind::Glyph => "text",
+        PrimKind::Hair => "hair",
         _ => "unknown",
     }
 }

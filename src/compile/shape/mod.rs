@@ -4,6 +4,7 @@
 pub mod algebraic;
 pub mod blob;
 pub mod curve;
+pub mod hair;
 pub mod height;
 pub mod implicit;
 pub mod mesh;
@@ -14,6 +15,7 @@ pub mod triangle_pack;
 
 pub use algebraic::{PolyShape, QuadricShape, SuperellipsoidShape};
 pub use blob::BlobShape;
+pub use hair::HairShape;
 pub use height::HeightFieldShape;
 pub use implicit::{IsosurfaceShape, JuliaShape, ParametricShape};
 pub use mesh::MeshShape;
@@ -49,4 +51,5 @@ pub struct Shapes {
     pub julias: Vec<JuliaShape>,
     pub isosurfaces: Vec<IsosurfaceShape>,
     pub parametrics: Vec<ParametricShape>,
+    pub hairs: Vec<HairShape>,
 }

@@ -2,7 +2,7 @@
 
 use super::inline_vec::InlineVec;
 use crate::compile::CompiledScene;
-use crate::compile::geometry::{Prim, prim_flags};
+use crate::compile::geometry::Prim;
 use crate::compile::texture::TextureNode;
 use crate::kernel::cover::for_covers;
 use crate::kernel::normal::{normal_into_pattern, normal_out_of_pattern, perturb_normal};
@@ -41,14 +41,7 @@ pub(super) fn pattern_point(
     normal: DVec3,
     ray_dir: DVec3,
 ) -> PatternPoint {
-    let point = if prim.flags & prim_flags::UV_MAPPING != 0 {
-        DVec3::new(hit.uv.x, hit.uv.y, 0.0)
-    } else if cover.transform_ix == 0 {
-        hit.point
-    } else {
-        scene.geometry.transforms[cover.transform_ix as usize].inverse_point(hit.point)
-    };
-    PatternPoint { point, uv: hit.uv, world: hit.point, normal, ray_dir }
+    crate::kernel::cover::pattern_point(scene, hit, prim, cover.transform_ix, normal, ray_dir)
 }
 
 /// The way from the world to a texture's own space, through the patterned textures around it.

@@ -23,4 +23,5 @@ mod trace;
 mod volume;
 
 pub use plan::PathPlan;
+pub use pov::left_out;
 pub use trace::PathTracer;

@@ -4,7 +4,7 @@ use super::camera::PathCamera;
 use super::filter::FilterTable;
 use super::lights::LightSet;
 use super::shader::shader_of;
-use super::volume::VolumeStack;
+use super::volume::{VolumeStack, grid_summary};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
 use crate::scene::{PathSettings, Shader};
@@ -25,6 +25,8 @@ pub struct PathPlan<'s> {
     /// Some body is filled.
     pub(super) has_volumes: bool,
     pub(super) output_alpha: bool,
+    /// Greatest and mean number of the grid of each shader's volume.
+    pub(super) grid_summaries: Vec<(f32, f32)>,
     /// Bodies around the camera.
     pub(super) camera_volumes: VolumeStack,
 }
@@ -43,6 +45,7 @@ impl<'s> PathPlan<'s> {
             camera: PathCamera::new(scene, width, height),
             filter: FilterTable::new(settings.filter),
             lights,
+            grid_summaries: shaders.iter().map(|s| s.volume.as_ref().map_or((0.0, 0.0), grid_summary)).collect(),
             shaders,
             seed: seed ^ settings.seed,
             has_motion: moves || scene.camera.motion.len() > 1,

@@ -10,7 +10,7 @@ use crate::kernel::bsdf::microfacet::Microfacet;
 use crate::kernel::bsdf::thin_film::ThinFilm;
 use crate::kernel::bsdf::{LobeKind, albedo};
 use crate::math::{Rgb, Vec3};
-use crate::scene::shader::{Distribution, HairClosure, HairColor, PrincipledClosure};
+use crate::scene::shader::{HairClosure, HairColor, PrincipledClosure};
 
 /// What a layer of albedo `layer` (relative to light of weight `weight`) leaves for those below.
 fn below(weight: Rgb, layer: Rgb) -> Rgb {
@@ -167,7 +167,7 @@ impl Builder<'_, '_> {
             (fresnel, f, f0_tinted + (Vec3::ONE - f0_tinted) * albedo::dielectric_mean(eta))
         };
         let gain = self.compensation(p.distribution, rough, n, mean_f);
-        let layer = if p.distribution == Distribution::Ggx { weight * f * albedo::mirror(rough, cos) } else { weight * f };
+        let layer = weight * gain * f * albedo::mirror(rough, cos);
         self.push(weight * gain, mean(f), frame, LobeKind::Microfacet(Microfacet { ggx, fresnel, refracts: false }), is_bent);
         below(weight, layer)
     }

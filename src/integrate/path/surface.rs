@@ -1,8 +1,8 @@
 //! Where a ray meets a surface, as closures look at it: normals on the viewer's side, texture coordinates, tangents, inputs with values.
 
 use crate::compile::CompiledScene;
-use crate::compile::geometry::Prim;
-use crate::compile::shape::MeshShape;
+use crate::compile::geometry::{Prim, PrimKind};
+use crate::compile::shape::{HairShape, MeshShape};
 use crate::kernel::SurfaceHit;
 use crate::kernel::material::{mesh_of, picture_uv, sample_picture, vertex_color};
 use crate::kernel::traverse::motion_at;
@@ -28,6 +28,12 @@ pub struct Surface<'s> {
     mesh: Option<&'s MeshShape>,
     /// World from the shape's space, at the ray's time.
     transform: Transform,
+    fibre: Option<(Vec3, f32)>,
+}
+
+/// The hair of a primitive, if it is one.
+fn hair_of<'s>(scene: &'s CompiledScene, prim: &Prim) -> Option<&'s HairShape> {
+    (prim.kind == PrimKind::Hair).then(|| &scene.geometry.shapes.hairs[prim.shape_ix as usize])
 }
 
 impl<'s> Surface<'s> {
@@ -39,6 +45,13 @@ impl<'s> Surface<'s> {
         let mut transform = g.transforms[prim.transform_ix as usize];
         if prim.flags & crate::compile::geometry::prim_flags::MOVING != 0 {
             transform = transform.then(&motion_at(g, prim, time));
+        }
+        if let Some(hair) = hair_of(scene, prim) {
+            let segment = &hair.segments[hit.face_ix as usize];
+            let tangent = transform.vector(segment.tangent(hit.barycentric.x)).normalize_or(DVec3::X);
+            let n = (tangent * tangent.dot(dir) - dir).try_normalize().unwrap_or(-dir);
+            let fibre = Some((tangent.as_vec3(), hit.barycentric.y as f32));
+            return Self { scene, hit, prim, v: -dir.as_vec3(), flat: n, normal: n, backfacing: false, mesh: None, transform, fibre };
         }
         let (front, smooth) = match mesh {
             Some(mesh) => {
@@ -54,7 +67,7 @@ impl<'s> Surface<'s> {
         let front = if smooth.dot(front) < 0.0 { -front } else { front };
         let backfacing = front.dot(dir) > 0.0;
         let sign = if backfacing { -1.0 } else { 1.0 };
-        Self { scene, hit, prim, v: -dir.as_vec3(), flat: front * sign, normal: smooth * sign, backfacing, mesh, transform }
+        Self { scene, hit, prim, v: -dir.as_vec3(), flat: front * sign, normal: smooth * sign, backfacing, mesh, transform, fibre: None }
     }
 
     /// Texture coordinates of a set.
@@ -252,6 +265,6 @@ impl<'s> Surface<'s> {
 
     /// Of a hair: unit direction along it, and where across it the ray met it, -1..=1 (docs/path.md says which way).
     pub fn fibre(&self) -> Option<(Vec3, f32)> {
-        None
+        self.fibre
     }
 }

@@ -102,6 +102,13 @@ fn mean(c: Rgb) -> f32 {
     c.element_sum() / 3.0
 }
 
+/// Greatest and mean number of a volume's grid.
+pub(super) fn grid_summary(v: &Volume) -> (f32, f32) {
+    let Some(d) = &v.density else { return (1.0, 1.0) };
+    let (most, sum) = d.grid.cells.iter().fold((0.0f32, 0.0f64), |(m, s), v| (m.max(*v), s + f64::from(*v)));
+    (most, (sum / d.grid.cells.len().max(1) as f64) as f32)
+}
+
 /// A grid's number at a point of the unit cube; 0 outside.
 fn density(grid: &Grid, p: DVec3) -> f32 {
     if !(p.cmpge(DVec3::ZERO).all() && p.cmple(DVec3::ONE).all()) {
@@ -149,9 +156,9 @@ impl<'p> Medium<'p> {
                 }
                 Some(d) => {
                     let body = plan.body_transform(*object);
-                    let (most, sum) = d.grid.cells.iter().fold((0.0f32, 0.0f64), |(m, s), v| (m.max(*v), s + f64::from(*v)));
+                    let (most, average) = if *object == WORLD { grid_summary(volume) } else { plan.grid_summaries[*material as usize] };
                     m.majorant += whole.max_element() * most;
-                    m.typical += mean(whole) * (sum / d.grid.cells.len().max(1) as f64) as f32;
+                    m.typical += mean(whole) * average;
                     m.grids.push(PlacedGrid { grid: &d.grid, place: d.transform.then(&body), volume, most });
                 }
             }

@@ -135,7 +135,7 @@ impl Hair {
         Self {
             v: variances,
             s,
-            tilted: [tilt(2.0 * alpha), tilt(-alpha), tilt(-4.0 * alpha)],
+            tilted: [tilt(-2.0 * alpha), tilt(alpha), tilt(4.0 * alpha)],
             theta_o: (sin_o, cos_o),
             phi_o: v.z.atan2(v.y),
             a,
@@ -189,7 +189,9 @@ impl Hair {
         let (s, c) = (self.phi_o + around).sin_cos();
         let l = Vec3::new(sin_i, cos_i * c, cos_i * s);
         let (value, pdf) = self.eval(v, l);
-        (pdf > 0.0).then_some(LocalSample { l, value, pdf, singular: false })
+        // All but the outer reflection went through, as Cycles counts.
+        let event = Some(if p == 0 { Event::Glossy } else { Event::Transmission });
+        (pdf > 0.0).then_some(LocalSample { l, value, pdf, singular: false, event })
     }
 
     /// Light on the viewer's side of the fibre was reflected, other light let through.

@@ -86,9 +86,9 @@ impl Microfacet {
         // Facets that bend nothing, or none: a density cannot be evaluated.
         if singular || (!reflects && eta == 1.0) {
             let (value, pdf) = if reflects { (r, chance) } else { (t, 1.0 - chance) };
-            return Some(LocalSample { l, value: value * SINGULAR_DENSITY, pdf: pdf * SINGULAR_DENSITY, singular: true });
+            return Some(LocalSample { l, value: value * SINGULAR_DENSITY, pdf: pdf * SINGULAR_DENSITY, singular: true, event: None });
         }
         let (value, pdf) = self.eval(v, l);
-        (pdf > 0.0).then_some(LocalSample { l, value, pdf, singular: false })
+        (pdf > 0.0).then_some(LocalSample { l, value, pdf, singular: false, event: None })
     }
 }

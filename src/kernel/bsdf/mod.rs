@@ -76,6 +76,8 @@ pub struct LocalSample {
     pub pdf: f32,
     /// A mirror's one direction.
     pub singular: bool,
+    /// What the bounce counts as, where the direction alone does not say.
+    pub event: Option<Event>,
 }
 
 /// A direction drawn from a set of lobes.
@@ -121,7 +123,7 @@ impl Lobe {
 
     fn sample(&self, v: Vec3, [u, w, pick]: [f32; 3]) -> Option<LocalSample> {
         let v = self.frame.to_local(v);
-        let one = |l: Vec3, value: Rgb, pdf: f32| (pdf > 0.0).then_some(LocalSample { l, value, pdf, singular: false });
+        let one = |l: Vec3, value: Rgb, pdf: f32| (pdf > 0.0).then_some(LocalSample { l, value, pdf, singular: false, event: None });
         let s = match &self.kind {
             LobeKind::Lambert => {
                 let l = cosine_hemisphere(u, w);
@@ -312,6 +314,13 @@ impl LobeSet {
             value += f;
             pdf += p;
         }
-        Some(BsdfSample { l: s.l.normalize_or(self.normal), value, pdf, event: lobe.event(s.l), singular: s.singular, width: lobe.width() })
+        Some(BsdfSample {
+            l: s.l.normalize_or(self.normal),
+            value,
+            pdf,
+            event: s.event.unwrap_or_else(|| lobe.event(s.l)),
+            singular: s.singular,
+            width: lobe.width(),
+        })
     }
 }

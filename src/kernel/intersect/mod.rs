@@ -5,6 +5,7 @@
 pub mod algebraic;
 pub mod blob;
 pub mod curves;
+pub mod hair;
 pub mod height_field;
 pub mod implicit;
 pub mod julia;
@@ -101,6 +102,7 @@ pub fn intersect_shape(scene: &CompiledScene, prim: &Prim, ray: &LocalRay, sink:
         PrimKind::Superellipsoid => algebraic::intersect_superellipsoid(&s.superellipsoids[ix], ray, all(), sink),
         PrimKind::HeightField => height_field::intersect_height_field(&s.height_fields[ix], ray, all(), sink),
         PrimKind::Glyph => curves::intersect_glyph(&s.glyphs[ix], ray, sink),
+        PrimKind::Hair => hair::intersect_hair(&s.hairs[ix], ray, sink),
         PrimKind::Ovus => sweep::intersect_ovus(&s.ovi[ix], ray, sink),
         PrimKind::SphereSweep => sweep::intersect_sphere_sweep(&s.sphere_sweeps[ix], ray, sink),
         PrimKind::JuliaFractal => julia::intersect_julia(&s.julias[ix], ray, all(), sink),
@@ -147,9 +149,13 @@ pub fn inside_shape(scene: &CompiledScene, prim: &Prim, p: DVec3, inverted: bool
             PrimKind::JuliaFractal => julia::inside_julia(&s.julias[ix], p),
             PrimKind::Isosurface => implicit::inside_isosurface(&s.isosurfaces[ix], p, &field(scene, s.isosurfaces[ix].function)),
             // Surfaces without an inside; spheres and planes went before.
-            PrimKind::Triangle | PrimKind::Polygon | PrimKind::BicubicPatch | PrimKind::Parametric | PrimKind::Sphere | PrimKind::Plane => {
-                false
-            }
+            PrimKind::Triangle
+            | PrimKind::Polygon
+            | PrimKind::BicubicPatch
+            | PrimKind::Parametric
+            | PrimKind::Sphere
+            | PrimKind::Plane
+            | PrimKind::Hair => false,
         }
 }
 
@@ -186,6 +192,7 @@ fn shape_normal(scene: &CompiledScene, prim: &Prim, p: DVec3, part: &Part) -> DV
         PrimKind::Prism => curves::prism_normal(&s.prisms[ix], part),
         PrimKind::Superellipsoid => algebraic::superellipsoid_normal(&s.superellipsoids[ix], p),
         PrimKind::Glyph => curves::glyph_normal(&s.glyphs[ix], part),
+        PrimKind::Hair => hair::hair_normal(&s.hairs[ix], part),
         PrimKind::Ovus => sweep::ovus_normal(&s.ovi[ix], p, part),
         PrimKind::SphereSweep => sweep::sphere_sweep_normal(&s.sphere_sweeps[ix], p, part),
         PrimKind::JuliaFractal => julia::julia_normal(&s.julias[ix], p),

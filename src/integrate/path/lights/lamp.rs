@@ -417,7 +417,7 @@ mod tests {
         close("square met", met, f * f64::from(w), 3e-2);
         let spot = above(LampShape::Spot { radius: 0.0, soft_falloff: true, angle_rad: 0.7, blend: 0.2 }, w, d);
         close("spot", irradiance(&spot).0, i / (d * d), 1e-5);
-        let narrow = LampShape::Area { ellipse: false, size: [0.01, 0.01], spread_rad: 60f64.to_radians() };
+        let narrow = LampShape::Area { ellipse: false, size: [1e-3, 1e-3], spread_rad: 60f64.to_radians() };
         let (sampled, _) = irradiance(&above(narrow, w, d));
         // Measured of Cycles: 10.7 times as bright on the axis at 60 degrees.
         let h = 30f64.to_radians();
