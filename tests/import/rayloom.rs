@@ -150,6 +150,7 @@ fn pictures_give_colours_channels_lines_and_normals() {
     assert!(matches!(**b, Closure::Transparent { .. }));
     let Closure::Principled(p) = &**a else { panic!("{a:?}") };
     let base = p.base_color.picture.as_ref().expect("a picture");
+    // Two sets are used: each keeps its number.
     assert_eq!((p.base_color.factor, base.uv_set, base.texture.srgb, base.filter_encoded), (Vec3::new(0.5, 1.0, 1.0), 1, true, true));
     // v runs up there and down here.
     assert_eq!(base.texture.uv_transform, [[2.0, 0.0, 0.5], [0.0, 3.0, -2.0]]);

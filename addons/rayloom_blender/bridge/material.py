@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..core import pictures
+from ..core.atlas import Atlas
 from ..core.bake import Baker, linear_to_srgb
 from ..core.evaluate import Unknown, affine, srgb_to_linear
 from ..core.fallback import gltf_material
@@ -23,6 +24,7 @@ class Surroundings:
         self.name, self.mesh, self.matrix_world = name, mesh, matrix_world
         self.used = False
         self._pixels = {}
+        self.baked_surface = None
 
     def uv_box(self, uv_set):
         """Least box around the coordinates of a UV layer."""
@@ -40,6 +42,14 @@ class Surroundings:
         self.used = True
         p = positions_of(self.mesh)
         return p.min(axis=0).astype(float), p.max(axis=0).astype(float)
+
+    def surface(self):
+        """Places for all faces of the mesh in a picture; `None` without faces, or with too many."""
+        self.used = True
+        if self.baked_surface is None and self.mesh is not None:
+            surface = Surface(self)
+            self.baked_surface = surface if surface.atlas.fits else None
+        return self.baked_surface
 
     def points(self, source, p):
         """Coordinates of a source at points of the object's space."""
@@ -80,6 +90,40 @@ class Surroundings:
         record = {"bufferView": self.gltf.view(values), "resolution": [int(n) for n in resolution], "components": 1}
         self.grids.append({**record, "affine": [float(v) for v in rows]})
         return len(self.grids) - 1
+
+
+class Surface:
+    """The faces of a mesh, each with its place in a picture."""
+
+    def __init__(self, around):
+        self.around = around
+        mesh = around.mesh
+        mesh.calc_loop_triangles()
+        self.atlas = Atlas(len(mesh.loop_triangles))
+        # The set after the mesh's own.
+        self.uv_set = len(mesh.uv_layers)
+        if self.atlas.fits:
+            self.samples = self.atlas.samples()
+            self._corners = read_array(mesh.loop_triangles, "loops", np.int32, 3)
+
+    def points(self, source, uv_set):
+        """Coordinates of a source at all samples, (n, 3)."""
+        mesh = self.around.mesh
+        if source == "uv":
+            uv = read_array(ordered_uvs(mesh)[uv_set].uv, "vector", np.float32, 2)[self._corners] if uv_set < self.uv_set else 0.0
+            return np.pad(self._mixed(uv), ((0, 0), (0, 1))) if uv_set < self.uv_set else np.zeros((len(self.samples[0]), 3))
+        vertex = read_array(mesh.loops, "vertex_index", np.int32, 1)[self._corners]
+        if source == "normal":
+            return self._mixed(read_array(mesh.corner_normals, "vector", np.float32, 3)[self._corners])
+        return self.around.points(source, self._mixed(positions_of(mesh)[vertex]))
+
+    def _mixed(self, values):
+        """Values (triangles, 3 corners, k) at the samples."""
+        triangle, weights, _, _ = self.samples
+        out = weights[:, :1] * values[triangle, 0]
+        for k in (1, 2):
+            out += weights[:, k : k + 1] * values[triangle, k]
+        return out
 
 
 def material_record(material, surroundings, images, uv_names, color_names, log):

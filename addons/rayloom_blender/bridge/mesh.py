@@ -80,14 +80,30 @@ def layout_of(mesh):
     }
 
 
-def write_mesh(gltf, mesh, materials, name):
+def _unshared(layout, corner_uv):
+    """The layout with vertices of its own for every corner, and one more set of coordinates, (triangles, 3, 2)."""
+    flat = layout["indices"].ravel()
+    gather = lambda rows: [(name, a[flat]) for name, a in rows]  # noqa: E731
+    return {
+        **layout,
+        "source_vertex": layout["source_vertex"][flat],
+        "indices": np.arange(len(flat), dtype=np.uint32).reshape(-1, 3),
+        "normals": None if layout["normals"] is None else layout["normals"][flat],
+        "uvs": [*gather(layout["uvs"]), ("baked", corner_uv.reshape(-1, 2))],
+        "colors": gather(layout["colors"]),
+    }
+
+
+def write_mesh(gltf, mesh, materials, name, corner_uv=None):
     """Adds a mesh; `(index, layout)`, or `None` when it has no triangles.
 
-    `materials`: glTF's index, or `None`, for each material slot.
+    `materials`: glTF's index, or `None`, for each material slot. `corner_uv`: one more set of coordinates for what was baked.
     """
     layout = layout_of(mesh)
     if layout is None:
         return None
+    if corner_uv is not None:
+        layout = _unshared(layout, corner_uv)
     positions = positions_of(mesh)[layout["source_vertex"]]
     if not np.isfinite(positions).all():
         raise ValueError(f"the mesh '{name}' has vertices that are not finite")

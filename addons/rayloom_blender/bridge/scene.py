@@ -39,6 +39,7 @@ class Exporter:
         self.lights, self.curves, self.grids = [], [], []
         self.nodes = []  # (node index, key), for motion
         self._meshes, self._materials, self._lights, self._curves = {}, {}, {}, {}
+        self._atlases = {}  # by the keys of materials that were baked over faces
         self._deforming = {}
         self._reported = set()
         self._camera_node = None
@@ -121,8 +122,10 @@ class Exporter:
                 self._place_particle_hair(shown, modifier, k)
 
     def _mesh(self, obj, data, matrix):
-        materials = [self._material(s.material, obj, data, matrix) for s in obj.material_slots]
-        written = mesh.write_mesh(self.gltf, data, materials, obj.data.name if obj.data else obj.name)
+        baked = []
+        materials = [self._material(s.material, obj, data, matrix, baked) for s in obj.material_slots]
+        corner_uv = baked[0].corner_uv() if baked else None
+        written = mesh.write_mesh(self.gltf, data, materials, obj.data.name if obj.data else obj.name, corner_uv)
         if written is None:
             return None
         ix, layout = written
@@ -130,7 +133,8 @@ class Exporter:
             self._deforming[obj.original.name_full] = (ix, layout["source_vertex"], len(data.vertices))
         return ix
 
-    def _material(self, mat, obj, data, matrix):
+    def _material(self, mat, obj, data, matrix, baked=None):
+        """Index of a material for an object; the places of its faces are added to `baked` where it was baked over them."""
         if mat is None:
             return None
         name = mat.original.name_full
@@ -139,11 +143,17 @@ class Exporter:
         layers = (uv_names, color_names)
         for key in ((name,), (name, layers), (name, layers, obj.original.name_full)):
             if key in self._materials:
+                if baked is not None and self._atlases.get(key):
+                    baked.append(self._atlases[key])
                 return self._materials[key]
         around = material.Surroundings(self.gltf, self.images, self.grids, mat.name, data, matrix)
         record, names_layers = material.material_record(mat, around, self.images, uv_names, color_names, self.log)
         key = (name, layers, obj.original.name_full) if around.used else (name, layers) if names_layers else (name,)
         self._materials[key] = self.gltf.append("materials", record)
+        if around.baked_surface is not None:
+            self._atlases[key] = around.baked_surface.atlas
+            if baked is not None:
+                baked.append(around.baked_surface.atlas)
         return self._materials[key]
 
     def _place_light(self, shown):

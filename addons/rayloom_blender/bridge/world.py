@@ -17,6 +17,9 @@ class _Nowhere:
     def body(self):
         return None
 
+    def surface(self):
+        return None
+
     def points(self, source, p):
         raise Unknown(f"coordinates of source {source}")
 

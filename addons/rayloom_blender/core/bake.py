@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes values that the renderer does not evaluate: over UV to a picture, inside a body to a grid, else to their mean."""
+"""Bakes values that the renderer does not evaluate: over UV to a picture, over the surface to a picture with a place for every triangle, inside a
+body to a grid, else to their mean."""
 
 import numpy as np
 
-from .evaluate import Evaluator, Unknown, affine, as_number
+from .evaluate import Evaluator, Unknown, affine, as_color, as_number
 from .lower import reachable
 
 # Texels along the longer side of a baked picture; cells along a grid's longest side. Picked by feel.
@@ -24,14 +25,15 @@ class Baker:
 
     `surroundings` has `uv_box(set)` → ((u0, v0), (u1, v1)) or `None`; `body()` → (low, high) corners in object space or `None`;
     `points(source, p)` → coordinates of a source at object space points (n, 3); `image(index)` → linear RGBA; `add_picture(pixels, is_color)`
-    and `add_grid(values, low, high)` → indices.
+    and `add_grid(values, resolution, body)` → indices; `surface()` → an [`Atlas`](atlas.py) with `points(source, set)` at its samples and the `uv_set`
+    that shows it, or `None`.
     """
 
     def __init__(self, surroundings):
         self.at = surroundings
 
-    def bake_surface(self, nodes, value, log, add):
-        """A picture node over UV, or the mean where the value depends on other things."""
+    def bake_surface(self, nodes, value, log, add, is_color):
+        """A picture node over UV or over the surface, or the mean where there is no surface. `is_color`: what the input wants."""
         used = [nodes[k] for k in reachable(nodes, value)]
         where = [n["coordinates"] for n in used if isinstance(n.get("coordinates"), dict) and "source" in n["coordinates"]]
         sets = {w.get("uvSet", 0) for w in where if w["source"] == "uv"}
@@ -39,13 +41,16 @@ class Baker:
         box = self.at.uv_box(min(sets)) if len(sets) == 1 and all(w["source"] == "uv" for w in where) else None
         try:
             if box is not None:
-                return self._picture(nodes, value, used, min(sets), box, add, log, names)
+                return self._picture(nodes, value, used, min(sets), box, add, log, names, is_color)
+            surface = self.at.surface()
+            if surface is not None:
+                return self._over_surface(nodes, value, surface, add, log, names, is_color)
             return self._mean(nodes, value, log, names)
         except Unknown as e:
             log(f"'{e}' is not evaluated; a mid grey is taken for it ({names})")
             return 0.5
 
-    def _picture(self, nodes, value, used, uv_set, box, add, log, names):
+    def _picture(self, nodes, value, used, uv_set, box, add, log, names, is_color):
         (u0, v0), (u1, v1) = box
         grid = _checker_lattice(used, box)
         if grid:
@@ -63,8 +68,8 @@ class Baker:
             return p
 
         out = np.asarray(Evaluator(nodes, points, self.at.image).value(value), np.float32)
-        is_color = out.ndim == 2
-        out = np.broadcast_to(out if is_color else out[:, None], (width * height, 3)).reshape(height, width, 3)
+        out = (as_color(out) if is_color else as_color(as_number(out))).reshape(-1, 3)
+        out = np.broadcast_to(out, (width * height, 3)).reshape(height, width, 3)
         if not grid:
             log(f"baked to a picture of {width} x {height} over UV: {names}")
         record = {
@@ -79,10 +84,25 @@ class Baker:
         if (u0, v0, u1, v1) != (0.0, 0.0, 1.0, 1.0):
             su, sv = 1.0 / (u1 - u0), 1.0 / (v1 - v0)
             record["coordinates"]["affine"] = [su, 0, 0, -u0 * su, 0, sv, 0, -v0 * sv, 0, 0, 1, 0]
-        link = {"node": add(record), "output": "color"}
-        if not is_color:
-            link = {"node": add({"type": "separate", "color": link}), "output": "x"}
-        return link
+        return _linked(record, add, is_color)
+
+    def _over_surface(self, nodes, value, surface, add, log, names, is_color):
+        """A picture with a place for every triangle."""
+        atlas = surface.atlas
+        out = np.asarray(Evaluator(nodes, surface.points, self.at.image).value(value), np.float32)
+        out = as_color(out) if is_color else as_color(as_number(out))
+        _, _, rows, columns = surface.samples
+        picture = np.zeros((atlas.side, atlas.side, 3), np.float32)
+        picture[rows, columns] = out
+        log(f"baked to a picture of {atlas.side} x {atlas.side} over its faces: {names}")
+        record = {
+            "type": "image",
+            "image": self.at.add_picture(picture, is_color),
+            "coordinates": {"source": "uv", "uvSet": surface.uv_set},
+            "interpolation": "linear",
+            "extension": "extend",
+        }
+        return _linked(record, add, is_color)
 
     def _mean(self, nodes, value, log, names):
         """The mean over the body's box."""
@@ -122,6 +142,12 @@ class Baker:
         log(f"baked to a grid of {' x '.join(map(str, resolution))}: {names}")
         grid = self.at.add_grid(np.ascontiguousarray(values, np.float32), resolution, body)
         return {"node": add({"type": "grid", "grid": grid})}
+
+
+def _linked(record, add, is_color):
+    """A picture's colour, or its red channel as a number."""
+    link = {"node": add(record), "output": "color"}
+    return link if is_color else {"node": add({"type": "separate", "color": link}), "output": "x"}
 
 
 def _checker_lattice(used, box):

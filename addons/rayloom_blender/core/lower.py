@@ -33,6 +33,11 @@ def reachable(nodes, value):
     return found
 
 
+def wants_color(key):
+    """Whether an input of a closure wants a colour; all others but normals want a number."""
+    return key in {"subsurfaceRadius", "radius", "absorption", "edgeTint"} or "color" in key.lower() or key.endswith("Tint") or key == "tint"
+
+
 class Lowering:
     """Makes a new list of nodes. `baker` bakes (core/bake.py), `log(what)` hears what was approximated."""
 
@@ -78,9 +83,19 @@ class Lowering:
             return self._volume(value, key)
         if self.is_world and self._is_sky(value):
             return self._copy(value)
-        if self._is_color(value) or self._is_number(value):
+        if key == "factor" and self._is_angle(value):
             return self._copy(value)
-        return self.baker.bake_surface(self.nodes, value, self.log, self._add)
+        is_color = wants_color(key)
+        if self._is_color(value) if is_color else self._is_number(value):
+            return self._copy(value)
+        return self.baker.bake_surface(self.nodes, value, self.log, self._add, is_color)
+
+    def _is_angle(self, value):
+        """What the renderer mixes closures by: Fresnel, facing, the back of faces."""
+        node = self.nodes[value["node"]]
+        output = value.get("output")
+        known = node["type"] == "fresnel" or (node["type"], output) in {("layerWeight", "facing"), ("geometry", "backfacing")}
+        return known and "normal" not in node and self._constants(node, [k for k in ("ior", "blend") if k in node])
 
     def _copy(self, value):
         """A node and what it depends on, constants folded."""
@@ -163,7 +178,7 @@ class Lowering:
                 constant = as_constant(self.nodes, node[key])
                 record[key] = 1.0 if constant is None else constant
             height = node["height"]
-            lowered = self._copy(height) if self._is_number(height) else self.baker.bake_surface(self.nodes, height, self.log, self._add)
+            lowered = self._copy(height) if self._is_number(height) else self.baker.bake_surface(self.nodes, height, self.log, self._add, False)
             if not is_link(lowered):
                 return None
             record["height"] = lowered

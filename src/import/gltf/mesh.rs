@@ -122,10 +122,14 @@ pub(super) fn triangles(
     };
     let uvs = uv_set(wanted.uv_set)?.unwrap_or_default();
     let mut more_uvs = Vec::new();
+    let mut set = 0;
     while wanted.all_uvs
-        && let Some(uvs) = uv_set(more_uvs.len() as u32 + 1)?
+        && let Some(list) = uv_set(set)?
     {
-        more_uvs.push(uvs);
+        if set != wanted.uv_set {
+            more_uvs.push(list);
+        }
+        set += 1;
     }
     let motion = match wanted.extension {
         Some(e) => vertex_motion(e, primitive, place, used, vertices.len(), sink)?,

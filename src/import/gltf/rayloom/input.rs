@@ -29,6 +29,8 @@ pub(super) struct Inputs<'a, 'e, 's> {
     pub sink: &'s mut Sink,
     /// "material 'Brick'".
     pub owner: String,
+    /// The mesh's set of coordinates that stands first in the scene's mesh.
+    pub first_uv: u32,
 }
 
 impl<'a> Inputs<'a, '_, '_> {
@@ -316,8 +318,33 @@ impl<'a> Inputs<'a, '_, '_> {
             linear: interpolation != "closest",
             uv_transform: uv_transform(affine),
         };
+        let uv_set = place_of_set(uv_set, self.first_uv);
         Ok(Some(Picture { texture, uv_set, filter_encoded, premultiplied: d.premultiplied }))
     }
+}
+
+/// Where set `uv_set` of the file is when set `first` stands before all others.
+fn place_of_set(uv_set: u32, first: u32) -> u32 {
+    match uv_set {
+        s if s == first => 0,
+        s if s < first => s + 1,
+        s => s,
+    }
+}
+
+/// The set that all pictures of these nodes use; 0 when they use several. The likeness of a material knows one set.
+pub(super) fn common_uv_set(nodes: &[Record]) -> Result<u32, ImportError> {
+    let mut common = None;
+    for node in nodes.iter().filter(|n| n.text("type").is_ok_and(|t| t == Some("image"))) {
+        let set = match node.record("coordinates")? {
+            Some(c) => c.count_or("uvSet", 0)?,
+            None => 0,
+        };
+        if *common.get_or_insert(set) != set {
+            return Ok(0);
+        }
+    }
+    Ok(common.unwrap_or(0))
 }
 
 /// Cycles' colour of pictures that are not there.
@@ -348,6 +375,12 @@ fn uv_transform(affine: Option<[f64; 12]>) -> [[f32; 3]; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_first_set_comes_before_the_others_in_their_order() {
+        assert_eq!([0, 1, 2, 3].map(|s| place_of_set(s, 0)), [0, 1, 2, 3]);
+        assert_eq!([0, 1, 2, 3].map(|s| place_of_set(s, 2)), [1, 2, 0, 3]);
+    }
 
     #[test]
     fn uv_transform_turns_v_over_on_both_sides() {

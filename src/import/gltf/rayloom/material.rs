@@ -3,7 +3,7 @@
 use super::super::super::ImportError;
 use super::super::material::Cover;
 use super::closure::MAX_CLOSURES;
-use super::input::Inputs;
+use super::input::{Inputs, common_uv_set};
 use super::likeness::likeness;
 use super::record::Record;
 use super::{Extension, NAME, part};
@@ -18,17 +18,19 @@ pub(in super::super) fn shaders(e: &mut Extension, covers: &mut [Cover], sink: &
     for (ix, material) in doc.root.materials.iter().enumerate() {
         let Some(value) = part(material.extensions.as_ref().map(|e| &e.others)) else { continue };
         let r = Record::new(doc, value, format!("materials[{ix}].extensions.{NAME}"))?;
-        let shader = shader(e, &r, material.name.as_deref().unwrap_or_default(), sink)?;
+        let (shader, uv_set) = shader(e, &r, material.name.as_deref().unwrap_or_default(), sink)?;
         let mut p = likeness(&shader);
         let interior = (p.transmission > 0.0).then(|| Arc::new(Interior { ior: f64::from(p.ior), ..Interior::default() }));
         p.shader = Some(Arc::new(shader));
-        covers[ix] = Cover { texture: Arc::new(Texture::Principled(Box::new(p))), interior, uv_set: 0, all_uvs: true };
+        covers[ix] = Cover { texture: Arc::new(Texture::Principled(Box::new(p))), interior, uv_set, all_uvs: true };
     }
     Ok(())
 }
 
-fn shader<'a>(e: &mut Extension<'a>, r: &Record<'a>, name: &str, sink: &mut Sink) -> Result<Shader, ImportError> {
+/// The shader, and the set of coordinates that stands first.
+fn shader<'a>(e: &mut Extension<'a>, r: &Record<'a>, name: &str, sink: &mut Sink) -> Result<(Shader, u32), ImportError> {
     let nodes = r.records("nodes")?;
+    let first_uv = common_uv_set(&nodes)?;
     let surface = r.index("surface", nodes.len(), "shader node")?;
     let volume = r.index("volume", nodes.len(), "shader node")?;
     let sampling = [
@@ -48,7 +50,7 @@ fn shader<'a>(e: &mut Extension<'a>, r: &Record<'a>, name: &str, sink: &mut Sink
     for key in ["homogeneousVolume", "volumeStepRate", "displacement"] {
         r.get(key);
     }
-    let mut inputs = Inputs { nodes, extension: e, sink, owner: format!("Material '{name}'") };
+    let mut inputs = Inputs { nodes, extension: e, sink, owner: format!("Material '{name}'"), first_uv };
     let mut budget = MAX_CLOSURES;
     if let Some(ix) = surface {
         out.surface = Some(inputs.closure(ix, &mut budget)?);
@@ -59,5 +61,5 @@ fn shader<'a>(e: &mut Extension<'a>, r: &Record<'a>, name: &str, sink: &mut Sink
         out.volume = inputs.volume(ix, &mut budget)?;
     }
     r.finish()?;
-    Ok(out)
+    Ok((out, first_uv))
 }

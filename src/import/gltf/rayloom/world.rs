@@ -20,7 +20,7 @@ pub(super) fn environment<'a>(e: &mut Extension<'a>, r: &Record<'a>, sink: &mut 
     let nodes = r.records("nodes")?;
     let surface = r.index("surface", nodes.len(), "shader node")?;
     let volume = r.index("volume", nodes.len(), "shader node")?;
-    let mut inputs = Inputs { nodes, extension: e, sink, owner: "World".into() };
+    let mut inputs = Inputs { nodes, extension: e, sink, owner: "World".into(), first_uv: 0 };
     if let Some(ix) = surface {
         background_node(&mut inputs, ix, &mut out)?;
     }
