@@ -191,3 +191,44 @@ fn unreadable_and_oversized_files_are_named() {
     std::fs::write(path("text.png"), "no picture").expect("written");
     assert!(matches!(Picture::read(&path("text.png"), 99), Err(PictureError::Decode { .. })));
 }
+
+/// NVIDIA's flip-evaluator, OpenImageIO and scikit-image say the same of twenty pairs, to four digits. `tests/metrics/make.py` asked them;
+/// `expected.json` says which versions.
+#[test]
+fn other_programs_measure_the_same() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/metrics");
+    let text = std::fs::read_to_string(folder.join("expected.json")).expect("readable");
+    let expected: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let pairs = expected["pairs"].as_array().expect("a list");
+    assert_eq!(pairs.len(), 20);
+    let (mut n, mut wrong) = (0, Vec::new());
+    for pair in pairs {
+        let read = |side: &str| {
+            let path = folder.join("pairs").join(pair[side].as_str().expect("a name"));
+            Picture::read(&path, 1 << 20).expect("a picture")
+        };
+        let of = |flip: Flip| {
+            compare(read("a"), read("b"), &CompareOptions { flip, ssim: true, ..CompareOptions::default() }).expect("one size")
+        };
+        let (m, hdr) = (of(Flip::Ldr), of(Flip::Hdr));
+        let mean = |m: &Metrics| m.flip.as_ref().map(|f| f.1);
+        let ours = [
+            ("mean_absolute", Some(m.mean_absolute)),
+            ("rmse", Some(m.rmse)),
+            ("largest", Some(m.largest.value)),
+            ("psnr_db", Some(m.psnr())),
+            ("ssim", m.ssim),
+            ("flip", mean(&m)),
+            ("flip_hdr", mean(&hdr)),
+        ];
+        for (name, ours) in ours {
+            let Some(theirs) = pair[name].as_f64() else { continue };
+            n += 1;
+            // Four digits: of the number, or behind the point where it is nearly nothing.
+            if !ours.is_some_and(|v| (v - theirs).abs() <= 5e-5 * theirs.abs().max(0.1)) {
+                wrong.push(format!("{} ({}): {name} is {ours:?}, {theirs} there", pair["a"], pair["change"]));
+            }
+        }
+    }
+    assert!(wrong.is_empty() && n == 109, "{n} numbers, {} wrong:\n{}", wrong.len(), wrong.join("\n"));
+}

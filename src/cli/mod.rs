@@ -2,6 +2,7 @@
 
 mod console;
 mod diff;
+mod diff_outcome;
 mod info;
 mod interrupt;
 mod merge;

@@ -127,7 +127,7 @@ fn parse_range(text: &str) -> Result<(u32, u32), String> {
     parts.filter(|(a, b)| a <= b).ok_or_else(|| "write A..B with A not above B, as in 0..16".into())
 }
 
-fn parse_crop(text: &str) -> Result<[u32; 4], String> {
+pub(super) fn parse_crop(text: &str) -> Result<[u32; 4], String> {
     let parts: Option<Vec<u32>> = text.split(',').map(|p| p.trim().parse().ok()).collect();
     match parts.as_deref() {
         Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok([x0, y0, x1, y1]),

@@ -19,12 +19,14 @@ pub struct Tolerance {
     pub max_flip: Option<f64>,
     /// Smallest PSNR in dB.
     pub min_psnr: Option<f64>,
+    /// Smallest SSIM.
+    pub min_ssim: Option<f64>,
 }
 
 impl Default for Tolerance {
     /// Not a bit may differ.
     fn default() -> Self {
-        Self { fail: 0.0, percent: 0.0, hard_fail: None, warn: None, warn_percent: 0.0, max_flip: None, min_psnr: None }
+        Self { fail: 0.0, percent: 0.0, hard_fail: None, warn: None, warn_percent: 0.0, max_flip: None, min_psnr: None, min_ssim: None }
     }
 }
 
@@ -74,6 +76,11 @@ impl Tolerance {
             && !(m.psnr() >= limit)
         {
             why.push(format!("PSNR is {:.2} dB, at least {limit} is asked for", m.psnr()));
+        }
+        if let Some(limit) = self.min_ssim
+            && !m.ssim.is_some_and(|s| s >= limit)
+        {
+            why.push(format!("SSIM is {}, at least {limit} is asked for", m.ssim.map_or("not defined".into(), |s| format!("{s:.6}"))));
         }
         if let Some(limit) = self.max_flip {
             match &m.flip {
