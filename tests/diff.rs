@@ -105,3 +105,71 @@ fn merge_refuses_what_is_no_part_and_writes_what_is_asked_for() {
     assert_eq!(code(&rayloom(dir.path(), &["diff", "out.exr", "all.exr"])), 0, "two halves are the whole");
     assert_eq!(code(&rayloom(dir.path(), &["diff", "l.exr", "all.exr"])), 2);
 }
+
+#[test]
+fn regions_and_masks_leave_pixels_out() {
+    let dir = folder();
+    let run = |args: &[&str]| code(&rayloom(dir.path(), &[&["diff", "a.png", "b.png"], args].concat()));
+    assert_eq!(run(&["--region", "0,0,40,3"]), 0, "above the row that differs");
+    assert_eq!(run(&["--region", "0,3,40,4"]), 2);
+    assert_eq!(run(&["--region", "0,0,40,3", "--region", "0,4,40,30"]), 0);
+    assert_eq!(run(&["--region", "0,0,41,3"]), 4, "beyond the picture");
+    RgbImage::from_fn(40, 30, |_, y| image::Rgb([if y == 3 { 0 } else { 255 }; 3])).save(dir.path().join("mask.png")).expect("saved");
+    assert_eq!(run(&["--mask", "mask.png"]), 0);
+    assert_eq!(run(&["--mask", "mask.png", "--region", "0,3,40,4"]), 4, "no pixel is left");
+    assert_eq!(run(&["--mask", "small.png"]), 4, "a mask of another size");
+    let out = rayloom(dir.path(), &["diff", "a.png", "b.png", "--region", "0,3,10,4", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&out.stdout).expect("JSON");
+    assert_eq!((json["metrics"]["pixels"].as_u64(), json["metrics"]["differing"].as_u64()), (Some(10), Some(5)));
+}
+
+#[test]
+fn space_exposure_and_similarity() {
+    let dir = folder();
+    let largest = |args: &[&str]| {
+        let out = rayloom(dir.path(), &[&["diff", "a.png", "b.png", "--json"], args].concat());
+        let json: serde_json::Value = serde_json::from_slice(&out.stdout).expect("JSON");
+        json["metrics"]["largest"]["value"].as_f64().expect("a number")
+    };
+    let linear = largest(&["--space", "linear"]);
+    assert!((largest(&["--space", "linear", "--exposure", "1"]) / linear - 2.0).abs() < 1e-5, "a stop is twice the light");
+    assert!(linear < largest(&[]), "dark values are nearer in light");
+    let run = |args: &[&str]| rayloom(dir.path(), &[&["diff", "a.png", "b.png", "--fail", "1"], args].concat());
+    assert_eq!((code(&run(&["--min-ssim", "0.99"])), code(&run(&["--min-ssim", "1"]))), (0, 2));
+    assert!(stdout(&run(&["--ssim"])).contains("SSIM                 0.99"));
+    assert!(stdout(&run(&["--hdr-flip"])).contains("HDR-FLIP"));
+}
+
+#[test]
+fn layers_of_exr_files_are_compared_by_name() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let pairs = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/metrics/pairs");
+    let [a, b] = ["10_a.exr", "10_b.exr"].map(|n| pairs.join(n).display().to_string());
+    let run = |args: &[&str]| rayloom(dir.path(), &[&["diff"], args].concat());
+    assert_eq!(code(&run(&[&a, &a, "--layer", "all"])), 0);
+    assert_eq!(code(&run(&[&a, &b, "--layer", "all"])), 2);
+    assert_eq!(code(&run(&[&a, &b, "--layer", "depth"])), 4, "no such layer");
+    // What is rendered has a layer that counts samples.
+    std::fs::write(dir.path().join("t.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("written");
+    for n in ["1", "2"] {
+        let ran = rayloom(dir.path(), &["render", "t.obj", "-o", &format!("{n}.exr"), "--size", "8x6", "--spp", n, "--backend", "cpu"]);
+        assert_eq!(code(&ran), 0);
+    }
+    let out = run(&["1.exr", "2.exr", "--layer", "samples", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&out.stdout).expect("JSON");
+    assert_eq!((code(&out), json["layers"][0]["largest"]["value"].as_f64()), (2, Some(1.0)));
+    let ran = run(&["1.exr", &a, "--layer", "all"]);
+    assert!(code(&ran) == 2 && stdout(&ran).contains("layer 'samples' is in A only"), "{}", stdout(&ran));
+}
+
+#[test]
+fn folders_are_compared_with_all_below_them() {
+    let dir = folder();
+    for (folder, picture) in [("one/deep", "a.png"), ("two/deep", "b.png")] {
+        std::fs::create_dir_all(dir.path().join(folder)).expect("made");
+        std::fs::copy(dir.path().join(picture), dir.path().join(folder).join("x.png")).expect("copied");
+    }
+    let ran = rayloom(dir.path(), &["diff", "one", "two", "--heatmap", "maps"]);
+    assert!(code(&ran) == 2 && stdout(&ran).contains("deep/x.png"), "{}", stdout(&ran));
+    assert_eq!(image::open(dir.path().join("maps/deep/x.png.png")).expect("a map").to_rgb8().dimensions(), (40, 30));
+}

@@ -1,0 +1,3 @@
+// A comment without its end.
+#version 3.7;
+/* sphere { 0, 1 }
