@@ -13,7 +13,7 @@ const MAX_REFERENCE: u64 = 2 << 20;
 /// Seeds that make the variance of a reference of Cycles.
 const CYCLES_SEEDS: u32 = 8;
 /// Our script for Blender.
-const CYCLES_SCRIPT: &str = include_str!("cycles.py");
+const CYCLES_SCRIPT: &str = include_str!("render_with_cycles.py");
 
 /// Takes what a run made as the golden pictures and texts of its cases, and as recorded wrong pictures. Gives the files that changed.
 pub fn update(suite: &Suite, results: &[CaseResult]) -> Result<Vec<PathBuf>, SuiteError> {
@@ -102,7 +102,7 @@ fn povray(suite: &Suite, case: &Case, program: &Path, out: &Path, heard: &dyn Fn
 }
 
 fn cycles(suite: &Suite, case: &Case, python: &Path, out: &Path, heard: &dyn Fn(&Case, &CommandLine)) -> Result<PathBuf, SuiteError> {
-    let script = out.join("cycles.py");
+    let script = out.join("render_with_cycles.py");
     std::fs::write(&script, CYCLES_SCRIPT).map_err(SuiteError::io("write", &script))?;
     // A scene as Blender saved it says more than its export.
     let blend = case.scene.with_extension("blend");

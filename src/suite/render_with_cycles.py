@@ -7,7 +7,7 @@ reflections; linear light in 32-bit floats.
 import os
 import sys
 
-import bpy
+import bpy  # noqa: this file must not be called cycles.py, as the add-on is
 
 
 def main(scene_path, out, width, height, samples, seed):
@@ -18,7 +18,8 @@ def main(scene_path, out, width, height, samples, seed):
         if scene_path.endswith(".obj"):
             bpy.ops.wm.obj_import(filepath=scene_path)
         else:
-            bpy.ops.import_scene.gltf(filepath=scene_path)
+            # Lamps as rayloom takes them: candela are watts per steradian.
+            bpy.ops.import_scene.gltf(filepath=scene_path, export_import_convert_lighting_mode="COMPAT")
     scene = bpy.context.scene
     if scene.camera is None:
         scene.camera = next((o for o in scene.objects if o.type == "CAMERA"), None)
