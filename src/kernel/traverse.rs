@@ -38,22 +38,9 @@ pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_
 
 /// As [`intersect`], with moving objects where they are at `time` (0..=1 over the shutter; [`REST`]: as they stand).
 pub fn intersect_at(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, skip_flags: u32) -> Option<SurfaceHit> {
-    intersect_past(scene, ray, time, t_min, t_max, skip_flags, (u32::MAX, 0.0))
-}
-
-/// As [`intersect_at`], without what lies on primitive `skip.0` before depth `skip.1`.
-pub fn intersect_past(
-    scene: &CompiledScene,
-    ray: &Ray,
-    time: f64,
-    t_min: f64,
-    t_max: f64,
-    skip_flags: u32,
-    skip: (u32, f64),
-) -> Option<SurfaceHit> {
     let g = &scene.geometry;
     let mut nearest = Nearest::new(scene, ray, t_min, t_max);
-    (nearest.time, nearest.skip) = (time, skip);
+    nearest.time = time;
     for_candidates(g, &mut nearest, |nearest, prim_ix| {
         if g.prims[prim_ix as usize].flags & skip_flags == 0 {
             nearest.test(prim_ix);
@@ -194,8 +181,6 @@ pub(super) struct Nearest<'a> {
     stop_at_first: bool,
     /// Of moving objects; below 0 they are at rest.
     time: f64,
-    /// A primitive that is not met before a depth.
-    skip: (u32, f64),
     /// Moving object met last, and where it is.
     moved: (u32, Transform),
     /// Primitives tested before, each at its place modulo the length: trees may offer one again and again.
@@ -219,7 +204,6 @@ impl<'a> Nearest<'a> {
             part: Part::default(),
             stop_at_first: false,
             time: REST,
-            skip: (u32::MAX, 0.0),
             moved: (u32::MAX, Transform::IDENTITY),
             tested: [u32::MAX; N_TESTED],
             bounds_asked: (u32::MAX, true),
@@ -292,7 +276,7 @@ impl HitSink for Nearest<'_> {
     #[inline]
     fn push(&mut self, t_local: f64, part: Part) {
         let t = t_local * self.per_local;
-        if !(t >= self.t_min && t <= self.t) || (self.prim == self.skip.0 && t < self.skip.1) {
+        if !(t >= self.t_min && t <= self.t) {
             return;
         }
         if t == self.t {

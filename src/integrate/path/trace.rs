@@ -9,7 +9,7 @@ use super::surface::Surface;
 use super::volume::VolumeStack;
 use crate::kernel::SurfaceHit;
 use crate::kernel::bsdf::{Event, LobeSet};
-use crate::kernel::traverse::intersect_past;
+use crate::kernel::traverse::intersect_at;
 use crate::math::{DVec3, Ray, Rgb, Vec3};
 
 /// Events of one path at most, transparent surfaces included: a guard against scenes that never end.
@@ -48,8 +48,6 @@ pub(super) struct Path {
     pub volumes: VolumeStack,
     pub sampler: Sampler,
     pub step: u32,
-    /// A primitive that the ray does not meet before a depth.
-    pub skip: (u32, f64),
     /// What the camera sees so far.
     pub radiance: Rgb,
     /// Share of the background in the film.
@@ -89,7 +87,6 @@ impl<'p> PathTracer<'p> {
             volumes: plan.camera_volumes,
             sampler,
             step: 0,
-            skip: (u32::MAX, 0.0),
             radiance: Vec3::ZERO,
             transmit: 0.0,
         };
@@ -101,8 +98,7 @@ impl<'p> PathTracer<'p> {
     fn trace(&mut self, path: &mut Path) {
         while path.step < MAX_STEPS {
             let survival = path.bounces.survival(path.throughput, &self.plan.settings);
-            let skip = std::mem::replace(&mut path.skip, (u32::MAX, 0.0));
-            let hit = intersect_past(self.plan.scene, &path.ray, path.time, NEAR, f64::INFINITY, path.bounces.kind.skip_flags(), skip);
+            let hit = intersect_at(self.plan.scene, &path.ray, path.time, NEAR, f64::INFINITY, path.bounces.kind.skip_flags());
             let t = hit.as_ref().map_or(f64::INFINITY, |h| h.t);
             // Lamps stand in the volumes: light of one comes through what lies before it alone.
             self.add_lamps(path, t);
@@ -243,7 +239,7 @@ impl<'p> PathTracer<'p> {
             path.bounces.passed(&plan.settings);
             path.origin.travelled += surface.hit.t;
             path.ray.origin = surface.hit.point;
-            if plan.has_volumes && !self.stops_on_the_spot(path, surface, shader) {
+            if plan.has_volumes {
                 path.volumes.cross(plan, surface, shader);
             }
             return true;
@@ -265,26 +261,6 @@ impl<'p> PathTracer<'p> {
             path.volumes.cross(plan, surface, shader);
         }
         self.leave(path, surface, &light_normal(&shading.lobes), b.l, b.pdf, b.singular, b.event);
-        true
-    }
-
-    /// A hull of a volume may lie on a real surface: that one is then met before the ray leaves the volume, whichever came first by rounding.
-    fn stops_on_the_spot(&self, path: &mut Path, surface: &Surface, shader: Option<&crate::scene::Shader>) -> bool {
-        let plan = self.plan;
-        if shader.is_none_or(|s| s.surface.is_some()) {
-            return false;
-        }
-        let ray = Ray::new(surface.hit.point - path.ray.dir * (3.0 * NEAR), path.ray.dir);
-        let skip = (surface.hit.prim_ix, 6.0 * NEAR);
-        let Some(next) = intersect_past(plan.scene, &ray, path.time, NEAR, skip.1, path.bounces.kind.skip_flags(), skip) else {
-            return false;
-        };
-        let other = Surface::new(plan.scene, next, ray.dir, path.time);
-        if plan.material(&other).0.is_some_and(|s| s.surface.is_none()) {
-            return false;
-        }
-        path.ray = ray;
-        path.skip = skip;
         true
     }
 

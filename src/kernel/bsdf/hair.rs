@@ -131,6 +131,7 @@ impl Hair {
             let (s, c) = angle.sin_cos();
             (sin_o * c - cos_o * s, (cos_o * c + sin_o * s).abs())
         };
+        // Measured of Cycles: its scales tilt the other way than the paper's (with the paper's sign the fur of 15_hair is up to 15 % off by place).
         let alpha = p.offset_rad;
         Self {
             v: variances,
