@@ -44,7 +44,7 @@ def command_line(path, scene, source, target):
     samples = settings.samples
     out = [path, "render", source, "-o", target, "--size", f"{width}x{height}", "--spp", str(max(1, samples))]
     out += ["--progress", "json", "--stop-with-stdin"]
-    out += ["--integrator", "auto", "--backend", own.device.lower(), "--accel", own.accelerator.lower()]
+    out += ["--integrator", own.integrator.lower(), "--backend", own.device.lower(), "--accel", own.accelerator.lower()]
     border = border_of(render)
     if border:
         out += ["--crop", ",".join(map(str, border))]

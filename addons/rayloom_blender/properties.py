@@ -22,6 +22,14 @@ class RayloomSettings(bpy.types.PropertyGroup):
         ],
         default="AUTO",
     )
+    integrator: EnumProperty(
+        name="Integrator",
+        items=[
+            ("PATH", "Path Tracing", "Light as in Cycles"),
+            ("CLASSIC", "Classic", "POV-Ray's light transport: direct light, mirrors and glass; fast and rough"),
+        ],
+        default="PATH",
+    )
     accelerator: EnumProperty(
         name="Accelerator",
         items=[("AUTO", "Automatic", "What is fastest on the device"), ("BVH", "BVH", ""), ("KD", "kd-Tree", "")],

@@ -653,18 +653,28 @@ def case_panels_join_and_leave():
 
 
 def case_given_scenes_render():
-    """The .blend files of --scenes render to their size, finite, and not black."""
+    """The .blend files of --scenes render by F12's operator to their size, finite and not black; with --references as a table against Cycles' pictures."""
+    references, samples = os.environ.get("RAYLOOM_REFERENCES"), int(os.environ.get("RAYLOOM_SAMPLES") or 1)
+    if references:
+        say("scene\tsamples\trmse_clamped_to_1\tcycles_at_256\tmean_clamped_over_cycles")
     for path in sorted(glob.glob(os.path.join(os.environ.get("RAYLOOM_SCENES") or "/nowhere", "*.blend"))):
         bpy.ops.wm.open_mainfile(filepath=path)
         scene = bpy.context.scene
         scene.render.engine = "RAYLOOM"
         scene.rayloom.device = "CPU"
-        scene.cycles.samples = 1
-        name = os.path.basename(path)
-        p = render(os.path.splitext(name)[0])
+        scene.cycles.samples = samples
+        name = os.path.splitext(os.path.basename(path))[0]
+        p = render(name)
         assert p.shape[:2] == (scene.render.resolution_y, scene.render.resolution_x), (name, p.shape)
         assert np.isfinite(p).all() and p[:, :, :3].mean() > 1e-3, name
-        say(f"{name}: mean {p[:, :, :3].mean():.4f}; {len([t for t in log_texts() if not t.startswith(': ')])} things left out or approximated")
+        if references:
+            ours, theirs, noisy = (
+                np.clip(a[:, :, :3], 0.0, 1.0) for a in (p, *(load(os.path.join(references, f"{name}{tag}.exr")) for tag in ("", "_mid")))
+            )
+            rmse, own = (float(np.sqrt(((a - theirs) ** 2).mean())) for a in (ours, noisy))
+            say(f"{name}\t{samples}\t{rmse:.4f}\t{own:.4f}\t{ours.mean() / theirs.mean():.4f}")
+        else:
+            say(f"{name}: mean {p[:, :, :3].mean():.4f}; {len([t for t in log_texts() if not t.startswith(': ')])} things left out or approximated")
 
 
 def main():

@@ -20,16 +20,16 @@ def names():
         return [line.split("(")[0][len("def case_") :] for line in file if line.startswith("def case_")]
 
 
-def run(name, zip_path, scenes):
+def run(name, zip_path, more, limit):
     """One case; its output if it failed."""
     with tempfile.TemporaryDirectory(prefix="rayloom-test-") as folder:
-        env = {**os.environ, "BLENDER_USER_RESOURCES": os.path.join(folder, "profile"), "RAYLOOM_SCENES": scenes or ""}
+        env = {**os.environ, "BLENDER_USER_RESOURCES": os.path.join(folder, "profile"), **more}
         env.pop("RAYLOOM", None)
         command = [sys.executable, os.path.join(HERE, "cases.py"), name, os.path.abspath(zip_path), folder]
         try:
-            done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=LIMIT, env=env, check=False)
+            done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=limit, env=env, check=False)
         except subprocess.TimeoutExpired as e:
-            return f"no end after {LIMIT} s\n{(e.stdout or b'').decode('utf-8', 'replace')[-2000:]}"
+            return f"no end after {limit} s\n{(e.stdout or b'').decode('utf-8', 'replace')[-2000:]}"
         # Return codes of Blender mean nothing: the case says itself that it came to its end.
         if f"CASE {name} PASSED" in done.stdout:
             for line in done.stdout.splitlines():
@@ -44,13 +44,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--zip", required=True, help="the extension, as addons/build.py makes it")
     parser.add_argument("--scenes", help="folder of .blend files to render as well")
+    parser.add_argument("--references", help="folder of Cycles' pictures of them, NAME.exr and NAME_mid.exr: prints a table")
+    parser.add_argument("--samples", type=int, default=1, help="samples a pixel of these scenes")
+    parser.add_argument("--limit", type=int, default=LIMIT, help="seconds that a case may take")
     parser.add_argument("cases", nargs="*", help="which ones [default: all]")
     args = parser.parse_args()
     chosen = args.cases or names()
+    more = {"RAYLOOM_SCENES": args.scenes or "", "RAYLOOM_REFERENCES": args.references or "", "RAYLOOM_SAMPLES": str(args.samples)}
     failed = []
     for name in chosen:
         start = time.monotonic()
-        why = run(name, args.zip, args.scenes)
+        why = run(name, args.zip, more, args.limit)
         print(f"{'FAILED' if why else 'ok    '} {name} ({time.monotonic() - start:.1f} s)", flush=True)
         if why:
             failed.append(name)
