@@ -6,6 +6,7 @@
 pub mod math;
 pub mod memory; // rank 0
 
+pub mod accel;
 pub mod diag; // rank 1
 
 pub mod world; // rank 2
@@ -14,8 +15,6 @@ pub mod scene; // rank 3
 
 pub mod import;
 pub mod lang; // rank 4
-
-pub mod accel; // rank 5
 
 pub mod compile; // rank 6
 
@@ -26,6 +25,7 @@ pub mod integrate; // rank 8
 
 pub mod backend; // rank 9
 
+pub mod bench;
 pub mod compare; // rank 10
 
 pub mod job;

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, each with its arguments and its `run`.
 
+mod bench;
 mod console;
 mod diff;
 mod diff_outcome;
@@ -41,6 +42,8 @@ enum Command {
     Merge(merge::MergeArgs),
     /// Renders the scenes of a suite and holds them against their reference pictures
     Suite(suite::SuiteArgs),
+    /// Measures this machine
+    Bench(bench::BenchArgs),
     /// Says what this machine offers, or what a scene uses
     Info(info::InfoArgs),
 }
@@ -60,6 +63,7 @@ pub fn run() -> ExitCode {
         Command::Diff(args) => diff::run(args),
         Command::Merge(args) => merge::run(args),
         Command::Suite(args) => suite::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Info(args) => info::run(&args),
     };
     // A panic is our fault: exit code 1 with its message, never a signal.

@@ -117,7 +117,7 @@ enum AntialiasArg {
     Threshold(f32),
 }
 
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
+pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let parts = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     parts.ok_or_else(|| "write WIDTHxHEIGHT, as in 640x480".into())
 }

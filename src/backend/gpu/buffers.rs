@@ -3,10 +3,12 @@
 
 use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
 use super::material_buffers::{encode_materials, material_constants};
-use super::mesh_buffers::{Boxes, MeshWords, encode_meshes, kd_of};
+use super::mesh_buffers::{Boxes, MeshWords, encode_meshes};
 use super::shader::ShaderOptions;
 use super::support::{FanOut, KINDS, fan_out};
 use super::texture_buffers::{TextureRoots, TextureWords, encode_textures};
+use super::tree_words::{choose_walk, has_lists, structure_of, words_per_element};
+use crate::accel::AccelKind;
 use crate::backend::BackendError;
 use crate::compile::geometry::{InsideStep, PrimKind, prim_flags};
 use crate::compile::{CompiledScene, NONE};
@@ -74,12 +76,12 @@ pub(super) fn outward(b: &Bounds) -> ([f32; 3], [f32; 3]) {
 }
 
 impl SceneBuffers {
-    /// Encodes `scene` for a picture that `plan` was made for.
-    pub fn new(scene: &CompiledScene, plan: &ScenePlan) -> Result<Self, BackendError> {
+    /// Encodes `scene`, with structures of kind `kind`, for a picture that `plan` was made for.
+    pub fn new(scene: &CompiledScene, plan: &ScenePlan, kind: AccelKind) -> Result<Self, BackendError> {
         let g = &scene.geometry;
         let mut textures = encode_textures(&scene.textures, &TextureRoots::of_scene(scene), !plan.quality.normals)?;
         let mut words = vec![0];
-        let meshes = encode_meshes(scene, &textures, &mut words)?;
+        let meshes = encode_meshes(scene, kind, &textures, &mut words)?;
         let mut params = scene_params(scene);
         params.materials_at = encode_materials(&scene.textures.principled, &mut words, &mut textures.image_words);
         let emitters: Vec<u32> = plan.emitters.iter().flat_map(emitter).collect();
@@ -111,17 +113,32 @@ impl SceneBuffers {
             params.sky_emission = sky.emission.to_array();
             params.sky_transform_ix = sky.transform_ix;
         }
-        let (nodes, refs) = kd_of(&g.tree, &Boxes(&g.bounds, &g.bounded));
-        let mut tree_nodes = nodes;
-        let mut tree_refs: Vec<u32> = refs.iter().map(|k| g.bounded[*k as usize]).collect();
-        params.n_bounded = g.bounded.len() as u32;
+        let mut tree = structure_of(kind, &g.tree, &Boxes(&g.bounds, &g.bounded));
+        if kind == AccelKind::BruteGroup {
+            let is_mesh = |k: &u32| matches!(g.prims[g.bounded[*k as usize] as usize].kind, PrimKind::Mesh | PrimKind::BicubicPatch);
+            tree.order.sort_by_key(|k| !is_mesh(k));
+            params.n_meshes = tree.order.iter().filter(|k| is_mesh(k)).count() as u32;
+        }
+        let scene_depth = tree.depth;
+        let mut tree_nodes = std::mem::take(&mut tree.nodes);
+        tree_nodes.resize(tree_nodes.len().next_multiple_of(words_per_element(kind) as usize), 0);
+        // Leaves name places in the order, which name primitives; a kd-tree's name primitives at once. A grid's lists stand behind.
+        let prim_at = |k: &u32| g.bounded[tree.order[*k as usize] as usize];
+        let is_direct = has_lists(kind) || tree.refs.is_empty();
+        params.n_bounded = tree.order.len() as u32;
+        let mut tree_refs: Vec<u32> =
+            if is_direct { (0..params.n_bounded).map(|k| prim_at(&k)).collect() } else { tree.refs.iter().map(prim_at).collect() };
+        let lists_at = if has_lists(kind) { tree_refs.len() as u32 } else { 0 };
+        if has_lists(kind) {
+            tree_refs.extend(&tree.refs);
+        }
+        params.lists_at = lists_at;
         params.unbounded_at = tree_refs.len() as u32;
         params.n_unbounded = g.unbounded.len() as u32;
         tree_refs.extend_from_slice(&g.unbounded);
         let all = g.bounded.iter().fold(Bounds::EMPTY, |b, k| b.union(g.bounds[*k as usize]));
         (params.tree_low, params.tree_high) = outward(&all);
         params.tree_extent = Vec3::from(params.tree_low).abs().max(Vec3::from(params.tree_high).abs()).max_element();
-        let scene_depth = depth_of(&tree_nodes);
         let meshes = meshes.behind(&mut tree_nodes, &mut tree_refs, &mut words);
         let prims = encode_prims(scene, plan, &textures, &meshes, &mut words);
         let mut buffers = Self {
@@ -141,12 +158,18 @@ impl SceneBuffers {
         };
         buffers.meshes.nodes = tree_nodes;
         buffers.meshes.refs = tree_refs;
-        buffers.options = buffers.shader_options(scene, plan, scene_depth)?;
+        buffers.options = buffers.shader_options(scene, plan, kind, scene_depth)?;
         Ok(buffers)
     }
 
     /// Features and constants of the shaders; works out the sizes of the queues, too.
-    fn shader_options(&mut self, scene: &CompiledScene, plan: &ScenePlan, scene_depth: u32) -> Result<ShaderOptions, BackendError> {
+    fn shader_options(
+        &mut self,
+        scene: &CompiledScene,
+        plan: &ScenePlan,
+        kind: AccelKind,
+        scene_depth: u32,
+    ) -> Result<ShaderOptions, BackendError> {
         let (g, f) = (&scene.geometry, &scene.features);
         let mut o = self.textures.shader.clone();
         for (kind, name) in KINDS {
@@ -194,8 +217,6 @@ impl SceneBuffers {
         self.max_shadows = scene.lights.len() as u32 + of_materials;
         let constants = [
             ("WORKGROUP", super::device::WORKGROUP),
-            ("SCENE_STACK", scene_depth + 1),
-            ("MESH_STACK", self.meshes.depth + 1),
             ("MAX_COVERS", covers),
             ("MAX_LIT", max_lit),
             ("MAX_MIRRORS", mirrors.max(1)),
@@ -235,6 +256,7 @@ impl SceneBuffers {
             ("FADE_INVERSE_SQUARE", FADE_INVERSE_SQUARE),
         ];
         constants.iter().for_each(|(name, v)| o.constant(name, *v));
+        choose_walk(&mut o, kind, scene_depth, self.meshes.depth);
         for (code, name) in STEP_NAMES.iter().enumerate() {
             o.constant(name, code as u32);
         }
@@ -300,19 +322,6 @@ fn clip_step(s: &InsideStep) -> [u32; 4] {
         InsideStep::SkipOwn { first, count, skip } => [7, first, count, skip],
         InsideStep::SkipOutside { box_ix, skip } => [8, box_ix, 0, skip],
     }
-}
-
-/// Steps from the root to the deepest leaf.
-pub(super) fn depth_of(nodes: &[[u32; 2]]) -> u32 {
-    let (mut deepest, mut stack) = (0, vec![(0u32, 0u32)]);
-    while let Some((ix, depth)) = stack.pop() {
-        deepest = deepest.max(depth);
-        match nodes.get(ix as usize) {
-            Some([_, meta]) if meta & 3 != 3 => stack.extend([(ix + 1, depth + 1), (meta >> 2, depth + 1)]),
-            _ => {}
-        }
-    }
-    deepest
 }
 
 fn scene_params(scene: &CompiledScene) -> SceneParams {

@@ -54,6 +54,12 @@ pub fn list_devices() -> Vec<String> {
     adapters().iter().map(|a| device_name(&a.get_info())).collect()
 }
 
+/// All devices that open, hardware first; `accept_software` takes renderers in software too.
+pub fn open_all(accept_software: bool) -> Vec<Gpu> {
+    let wanted = |a: &&wgpu::Adapter| accept_software || a.get_info().device_type != wgpu::DeviceType::Cpu;
+    adapters().iter().filter(wanted).filter_map(|a| Gpu::open(a).ok()).collect()
+}
+
 fn device_name(info: &wgpu::AdapterInfo) -> String {
     let software = if info.device_type == wgpu::DeviceType::Cpu { ", software" } else { "" };
     format!("{} ({}{software})", info.name, info.backend)
@@ -93,9 +99,8 @@ impl Gpu {
         };
         let (lost, uncaptured) = (fault.clone(), fault.clone());
         device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                keep(&lost, message);
-            }
+            let was_destroyed = reason == wgpu::DeviceLostReason::Destroyed && message.is_empty();
+            keep(&lost, if was_destroyed { "it was destroyed".into() } else { message });
         });
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| keep(&uncaptured, e.to_string())));
         Ok(Self { device, queue, info: adapter.get_info(), fault })

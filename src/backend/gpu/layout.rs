@@ -53,7 +53,8 @@ shared! {
         camera_interiors: [u32; MAX_INTERIORS],
         generator: u32,
         n_emitters: u32,
-        padding: [u32; 2],
+        lists_at: u32,
+        n_meshes: u32,
     }
     /// Where a camera ray starts.
     struct Start {

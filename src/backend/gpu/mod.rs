@@ -5,12 +5,14 @@
 
 mod buffers;
 mod camera;
+pub mod choice;
 pub mod device;
 pub mod layout;
 mod material_buffers;
 mod mesh_buffers;
 mod modules;
 pub mod probe;
+pub mod ray_bench;
 pub mod shader;
 mod support;
 pub mod texture_buffers;
@@ -21,12 +23,14 @@ mod texture_layout;
 mod texture_noise;
 mod texture_normals;
 mod texture_patterns;
+mod tree_words;
 mod wavefront;
 
-pub use device::{Gpu, GpuOptions, list_devices};
+pub use device::{Gpu, GpuOptions, list_devices, open_all};
 
 use super::unfinished::{add_samples, unfinished_blocks};
 use super::{Backend, BackendError, Progress};
+use crate::accel::AccelKind;
 use crate::compile::CompiledScene;
 use crate::film::Film;
 use crate::integrate::Antialias;
@@ -49,6 +53,19 @@ impl GpuBackend {
     pub fn new(options: &GpuOptions) -> Result<Self, BackendError> {
         Ok(Self { gpu: Gpu::new(options)? })
     }
+
+    /// Takes the device away, as a driver's reset does: every render that runs on it ends with an error. For tests of just that.
+    pub fn destroy_device(&self) {
+        self.gpu.device.destroy();
+    }
+
+    /// The structure that a scene asks for, or the one that is best here.
+    fn accel_for(&self, scene: &CompiledScene) -> AccelKind {
+        match scene.options.accel {
+            AccelKind::Auto => choice::best_for(&self.gpu.info, scene),
+            kind => kind,
+        }
+    }
 }
 
 impl Backend for GpuBackend {
@@ -66,7 +83,7 @@ impl Backend for GpuBackend {
     ) -> Result<(), BackendError> {
         support::check(scene, settings)?;
         let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
-        let buffers = SceneBuffers::new(scene, &plan)?;
+        let buffers = SceneBuffers::new(scene, &plan, self.accel_for(scene))?;
         let wavefront = Wavefront::new(&self.gpu, &buffers)?;
         let camera = camera::CameraRays::new(scene, &plan);
         let (all, done) = unfinished_blocks(film, settings);

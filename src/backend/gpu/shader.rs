@@ -15,6 +15,8 @@ pub struct ShaderOptions {
     constants: String,
     /// The module `package::functions`: user functions, generated; empty for none.
     pub functions: String,
+    /// The module of `shaders/accel/` that walks scene and meshes; empty for shaders that trace no rays.
+    pub accel: &'static str,
 }
 
 /// A number that a shader knows by name.
@@ -94,6 +96,13 @@ pub fn assemble(module: &str, options: &ShaderOptions) -> Result<String, ShaderE
     let mut resolver = VirtualResolver::new();
     let path = |name: &str| format!("package::{}", name.replace('/', "::")).parse();
     for (name, text) in MODULES {
+        if name.strip_prefix("accel/") == Some(options.accel) {
+            // One text, twice: over the scene's primitives and over a mesh's faces.
+            for level in ["scene", "mesh"] {
+                let at = path(&format!("accel/walk_{level}")).map_err(|_| fail(level.into()))?;
+                resolver.add_module(at, text.replace("LEVEL", level).into());
+            }
+        }
         resolver.add_module(path(name).map_err(|_| fail(format!("bad module name '{name}'")))?, (*text).into());
     }
     resolver.add_module(path("constants").map_err(|_| fail("constants".into()))?, options.constants.as_str().into());

@@ -30,13 +30,26 @@ pub(super) fn check(scene: &CompiledScene, settings: &RenderSettings) -> Result<
     }
 }
 
+/// Refuses shapes that cannot be traced here, whatever covers and lights them.
+pub(super) fn check_geometry(scene: &CompiledScene) -> Result<(), BackendError> {
+    match unknown_shape(scene) {
+        Some(what) => Err(BackendError::Unsupported(what)),
+        None => Ok(()),
+    }
+}
+
+fn unknown_shape(scene: &CompiledScene) -> Option<String> {
+    let prim = scene.geometry.prims.iter().find(|p| !KINDS.iter().any(|(k, _)| *k == p.kind));
+    prim.map(|p| format!("{} objects", object_name(p.kind)))
+}
+
 fn first_obstacle(scene: &CompiledScene, settings: &RenderSettings) -> Option<String> {
     let f = &scene.features;
     if settings.integrator != IntegratorKind::Classic {
         return Some("path tracing".into());
     }
-    if let Some(p) = scene.geometry.prims.iter().find(|p| !KINDS.iter().any(|(k, _)| *k == p.kind)) {
-        return Some(format!("{} objects", object_name(p.kind)));
+    if let Some(what) = unknown_shape(scene) {
+        return Some(what);
     }
     let listed = [
         (scene.options.quality < 9, "quality levels below 9"),

@@ -19,8 +19,12 @@ const MAX_SAMPLES: u32 = 1 << 18;
 const MAX_SAMPLES_SOFTWARE: u32 = 1 << 15;
 /// Rays in the queue for every sample.
 const QUEUE_DEPTH: u32 = 4;
-/// Steps that take longer are made smaller: drivers end what runs for two seconds.
+/// Steps that take longer are made smaller, since drivers end what runs for two seconds and desktops stand still meanwhile; those that take
+/// less are made larger.
 const LONG_STEP: Duration = Duration::from_millis(400);
+const SHORT_STEP: Duration = Duration::from_millis(80);
+/// The first step, of which nothing is known.
+const FIRST_BATCH: u32 = 1 << 14;
 
 /// Pipelines of the stages.
 struct Stages {
@@ -48,7 +52,18 @@ pub(super) struct Wavefront<'g> {
     pub max_samples: u32,
     max_children: u32,
     queue_len: u32,
+    /// What a step may take, and what it takes by what the last ones needed.
     max_batch: u32,
+    batch_now: u32,
+}
+
+/// Rays of the next step, after one of `n` rays that took so long.
+fn next_batch(n: u32, now: u32, most: u32, took: Duration) -> u32 {
+    if took > LONG_STEP {
+        return (n / 2).max(1024).min(most);
+    }
+    // A step of fewer rays than it may have says nothing about larger ones.
+    if took < SHORT_STEP && n == now { now.saturating_mul(2).min(most) } else { now }
 }
 
 /// Bytes of `n` structs.
@@ -137,6 +152,7 @@ impl<'g> Wavefront<'g> {
             max_children,
             queue_len,
             max_batch,
+            batch_now: max_batch.min(FIRST_BATCH),
         })
     }
 
@@ -174,7 +190,7 @@ impl<'g> Wavefront<'g> {
         let start = Instant::now();
         // A batch of n takes n rays away and may bring max_children * n.
         let room = (self.queue_len - pending) / self.max_children.saturating_sub(1).max(1);
-        let n = pending.min(self.max_batch).min(room.max(1));
+        let n = pending.min(self.batch_now).min(room.max(1));
         let first = pending - n;
         self.set_batch(first, n, 0);
         self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
@@ -192,9 +208,7 @@ impl<'g> Wavefront<'g> {
             encoder.copy_buffer_to_buffer(&self.children, 0, &self.rays, bytes::<Ray>(first), bytes::<Ray>(n_children));
             self.gpu.queue.submit([encoder.finish()]);
         }
-        if start.elapsed() > LONG_STEP {
-            self.max_batch = (n / 2).max(1024).min(self.max_batch);
-        }
+        self.batch_now = next_batch(n, self.batch_now, self.max_batch, start.elapsed());
         Ok(first + n_children)
     }
 
@@ -238,5 +252,21 @@ impl<'g> Wavefront<'g> {
             FAULT_INTERIORS => Err(BackendError::Unsupported("rays inside more than eight objects".into())),
             _ => Err(BackendError::Unsupported("hits that send on more rays than was foreseen".into())),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_grow_while_they_are_short_and_shrink_when_they_are_long() {
+        let ms = Duration::from_millis;
+        assert_eq!(next_batch(1 << 14, 1 << 14, 1 << 18, ms(5)), 1 << 15);
+        assert_eq!(next_batch(100, 1 << 14, 1 << 18, ms(5)), 1 << 14);
+        assert_eq!(next_batch(1 << 18, 1 << 18, 1 << 18, ms(5)), 1 << 18);
+        assert_eq!(next_batch(1 << 16, 1 << 16, 1 << 18, ms(100)), 1 << 16);
+        assert_eq!(next_batch(1 << 16, 1 << 16, 1 << 18, ms(1900)), 1 << 15);
+        assert_eq!(next_batch(512, 512, 512, ms(1900)), 512);
     }
 }
