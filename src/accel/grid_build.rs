@@ -34,7 +34,7 @@ impl Grid {
         let (grids, cells, lists, entries) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let out = Grid { grids, cells, lists, entries, bounds, n_levels, stats: AccelStats::default() };
         let longest = (0..3).map(|k| bounds.hi[k] - bounds.lo[k]).fold(0.0, f32::max);
-        let spare = (n as f64 * options.max_refs_per_prim * 2.0).min(1e9) as usize + 4096;
+        let spare = (n as f64 * options.max_refs_per_prim * if n_levels > 1 { 4.0 } else { 2.0 }).min(1e9) as usize + 4096;
         let mut b = Builder { prims, out, pad: PAD[0] * longest + PAD[1] * bounds.max_abs() as f32, spare };
         if n > 0 {
             b.grid(&refs, &bounds, 0);
@@ -72,7 +72,9 @@ impl<P: PrimSet> Builder<'_, P> {
             let grid = divided(&cell, wanted, self.out.cells.len() as u32);
             let blocks: Vec<[[u32; 3]; 2]> = refs.iter().map(|r| grid.block(&grown(&r.bounds, self.pad))).collect();
             let n_refs: usize = blocks.iter().map(|[lo, hi]| (0..3).map(|k| (hi[k] - lo[k] + 1) as usize).product::<usize>()).sum();
-            if n_refs <= self.spare.max(refs.len()) || wanted <= 1.0 {
+            // The outermost of several leaves most of them to what is inside.
+            let share = if level + 1 < self.out.n_levels { self.spare / 3 } else { self.spare };
+            if n_refs <= share.max(refs.len()) || wanted <= 1.0 {
                 self.spare = self.spare.saturating_sub(n_refs);
                 break (grid, blocks);
             }

@@ -244,6 +244,8 @@ impl SceneBuffers {
             ("KIND_TORUS", PrimKind::Torus as u32),
             ("KIND_TRIANGLE", PrimKind::Triangle as u32),
             ("KIND_MESH", PrimKind::Mesh as u32),
+            ("KIND_GLYPH", PrimKind::Glyph as u32),
+            ("KIND_POLYGON", PrimKind::Polygon as u32),
             ("LIGHT_POINT", LIGHT_POINT),
             ("LIGHT_SPOT", LIGHT_SPOT),
             ("LIGHT_CYLINDER", LIGHT_CYLINDER),
@@ -465,9 +467,26 @@ fn encode_shape(scene: &CompiledScene, p: &crate::compile::geometry::Prim, meshe
             [&corners[..], &bits3(t.normal), &[n(t.distance), u32::from(t.smooth)], &t.normals.map(bits3).concat()].concat()
         }
         PrimKind::Mesh | PrimKind::BicubicPatch => return meshes.places[ix],
+        PrimKind::Glyph => {
+            let g = &s.glyphs[ix];
+            let head = [g.depth, g.min.x, g.min.y, g.max.x, g.max.y].map(n);
+            [&head[..], &outline(&g.segments)].concat()
+        }
+        PrimKind::Polygon => {
+            let p = &s.polygons[ix];
+            let head = [p.origin, p.u, p.v, p.normal].map(bits3).concat();
+            [&head[..], &outline(&p.segments)].concat()
+        }
         _ => Vec::new(),
     };
     append(words, new)
+}
+
+/// Number of pieces, and of each start, end, factors of w² and w; lines and parabolas only, as letters and polygons have them.
+fn outline(segments: &[crate::compile::shape::curve::CurveSegment]) -> Vec<u32> {
+    let pair = |v: crate::math::DVec2| [(v.x as f32).to_bits(), (v.y as f32).to_bits()];
+    let piece = |s: &crate::compile::shape::curve::CurveSegment| [pair(s.c[3]), pair(s.at(1.0)), pair(s.c[1]), pair(s.c[2])].concat();
+    std::iter::once(segments.len() as u32).chain(segments.iter().flat_map(piece)).collect()
 }
 
 fn transform(t: &crate::math::Transform) -> Transform {

@@ -48,6 +48,7 @@ pub const MODULES: &[(&str, &str)] = modules![
     "shared/material",
     "shared/noise",
     "shared/normal",
+    "shared/outline",
     "shared/pattern",
     "shared/pattern_cells",
     "shared/pattern_density",

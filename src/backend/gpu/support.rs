@@ -20,6 +20,8 @@ pub(super) const KINDS: &[(PrimKind, &str)] = &[
     (PrimKind::Triangle, "triangle"),
     (PrimKind::Mesh, "mesh"),
     (PrimKind::BicubicPatch, "mesh"),
+    (PrimKind::Glyph, "glyph"),
+    (PrimKind::Polygon, "polygon"),
 ];
 
 /// Refuses what cannot be rendered here.
@@ -78,7 +80,6 @@ fn nested_bounds(scene: &CompiledScene) -> bool {
 
 fn object_name(kind: PrimKind) -> &'static str {
     match kind {
-        PrimKind::Polygon => "polygon",
         PrimKind::Quadric => "quadric",
         PrimKind::Poly => "poly",
         PrimKind::Blob => "blob",
@@ -92,7 +93,6 @@ fn object_name(kind: PrimKind) -> &'static str {
         PrimKind::HeightField => "height_field",
         PrimKind::Isosurface => "isosurface",
         PrimKind::Parametric => "parametric",
-        PrimKind::Glyph => "text",
         PrimKind::Hair => "hair",
         _ => "unknown",
     }
