@@ -234,10 +234,29 @@ mod tests {
     }
 
     fn render(scene: &Scene, settings: &RenderSettings) -> Film {
-        let compiled = compile_scene(scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
+        render_with(scene, settings, &CompileOptions::default())
+    }
+
+    fn render_with(scene: &Scene, settings: &RenderSettings, options: &CompileOptions) -> Film {
+        let compiled = compile_scene(scene, options, &mut Sink::default()).expect("a small scene");
         let mut film = Film::new(settings.width, settings.height);
         CpuBackend::new(settings.threads).render(&compiled, settings, &mut film, &(), &AtomicBool::new(false)).expect("renders");
         film
+    }
+
+    #[test]
+    fn pictures_without_skips_are_the_same() {
+        let mut scene = lit_plane();
+        for (x, radius) in [(-1.0, 0.4), (0.3, 0.7), (1.5, 0.2)] {
+            let mut ball = Object::new(Shape::Sphere { center: DVec3::new(x, 1.0, 0.2 * x), radius });
+            ball.texture = scene.objects[0].texture.clone();
+            scene.objects.push(ball);
+        }
+        scene.lights.push(Light::point(DVec3::new(3.0, 1.0, -2.0), Vec3::new(0.5, 0.2, 0.1)));
+        let without = CompileOptions { skip: false, ..CompileOptions::default() };
+        let (a, b) = (render(&scene, &settings(1)), render_with(&scene, &settings(1), &without));
+        assert_eq!(a.pixels, b.pixels);
+        assert!(a.pixels.iter().any(|p| *p != a.pixels[0]), "there is something to see");
     }
 
     #[test]

@@ -40,6 +40,19 @@ struct BoundedPrims<'a> {
     geometry: &'a Geometry,
 }
 
+/// The boxes of what points can be inside.
+struct SolidPrims<'a>(&'a [(Bounds, u32)]);
+
+impl PrimSet for SolidPrims<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn bounds(&self, k: usize) -> Bounds {
+        self.0[k].0
+    }
+}
+
 impl PrimSet for BoundedPrims<'_> {
     fn len(&self) -> usize {
         self.geometry.bounded.len()
@@ -192,6 +205,7 @@ impl Flattener {
         }
         let solids = geometry.objects.iter().enumerate().filter(|(_, o)| o.visible && o.solid && o.inside.len > 0);
         geometry.solids = solids.map(|(k, o)| (o.inside_bounds, k as u32)).collect();
+        geometry.solids_tree = Accel::build(AccelKind::Auto, &SolidPrims(&geometry.solids), &SCENE_TREE);
         geometry.tree = Accel::build(self.accel, &BoundedPrims { geometry: &geometry }, &SCENE_TREE);
         (geometry, self)
     }

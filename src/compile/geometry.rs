@@ -214,6 +214,8 @@ pub struct Geometry {
     pub objects: Vec<ObjectRecord>,
     /// Visible objects made of shapes that have an inside, with the box of that inside, in the order of the file.
     pub solids: Vec<(Bounds, u32)>,
+    /// Tree over the boxes of `solids`, for points that may be in any of them.
+    pub solids_tree: Accel,
     /// Primitives without finite bounds that rays can hit.
     pub unbounded: Vec<u32>,
     /// Primitives with finite bounds that rays can hit.

@@ -228,7 +228,8 @@ pub(super) fn add_leaf(
         }
         Shape::Poly { order, coefficients } => {
             let shape = PolyShape::new(*order, coefficients, sturm).ok_or(Degenerate)?;
-            placed(PrimKind::Poly, push(&mut shapes.polys, shape), Bounds::UNBOUNDED)
+            let bounds = shape.bounds();
+            placed(PrimKind::Poly, push(&mut shapes.polys, shape), bounds)
         }
         Shape::Blob { threshold, components } => {
             let covers = components.iter().map(|c| c.texture.as_ref().map_or(NONE, |t| textures.texture(t))).collect();

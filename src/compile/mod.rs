@@ -34,7 +34,8 @@ pub const NONE: u32 = u32::MAX;
 pub struct CompileOptions {
     /// POV-Ray's quality, 0..=9.
     pub quality: u8,
-    /// Leave out what the scene does not need; `false` must give the same pixels.
+    /// Leave out what the scene does not need; `false` must give the same pixels. The CPU then traces a shadow ray to lights behind the
+    /// surface too, tries no remembered blocker first, and asks every solid whether a ray starts in it.
     pub skip: bool,
     /// Kind of tree over primitives and triangles.
     pub accel: AccelKind,

@@ -3,7 +3,7 @@
 use super::intersect::inside_shape;
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{InsideProgram, InsideStep, prim_flags};
-use crate::math::DVec3;
+use crate::math::{Bounds, DVec3, Ray};
 
 /// Whether world point `p` is inside primitive `prim_ix`, its inversion applied, its clip program not.
 #[inline]
@@ -75,12 +75,32 @@ pub fn inside_object(scene: &CompiledScene, object_ix: u32, p: DVec3) -> bool {
     object.inside.len > 0 && p.cmpge(b.min).all() && p.cmple(b.max).all() && run_program(scene, object.inside, u32::MAX, p)
 }
 
+/// Places for solids whose box holds a point; where more do, all are looked through.
+const N_NEAR: usize = 32;
+
 /// Calls `f` with the interiors of all visible objects that contain `p`, in the order of the file. Source: spec/light.md, section 1.
 pub fn containing_interiors(scene: &CompiledScene, p: DVec3, mut f: impl FnMut(u32)) {
     let g = &scene.geometry;
-    for (b, k) in &g.solids {
+    let mut look = |(b, k): &(Bounds, u32)| {
         if p.cmpge(b.min).all() && p.cmple(b.max).all() && inside_object(scene, *k, p) {
             f(g.objects[*k as usize].interior_ix);
         }
+    };
+    if !scene.options.skip {
+        return g.solids.iter().for_each(look);
     }
+    // A ray without length meets the boxes that its start is in.
+    let (mut near, mut n) = ([0u32; N_NEAR], 0);
+    g.solids_tree.closest(&Ray::new(p, DVec3::X), 0.0, 0.0, |k, _| {
+        if let Some(place) = near.get_mut(n) {
+            *place = k;
+        }
+        n += 1;
+        None
+    });
+    if n > N_NEAR {
+        return g.solids.iter().for_each(look);
+    }
+    near[..n].sort_unstable();
+    near[..n].iter().for_each(|k| look(&g.solids[*k as usize]));
 }

@@ -7,7 +7,7 @@ use super::inside::{inside_object, run_program};
 use super::intersect::{HitSink, LocalRay, Part, intersect_shape, shape_uv, world_normal};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{Geometry, InsideProgram, Prim, prim_flags};
-use crate::math::{DVec2, DVec3, Ray, Transform};
+use crate::math::{Bounds, DVec2, DVec3, Ray, Transform};
 
 /// Smallest depth that any ray but a shadow ray accepts. Source: spec/objects.md, section 0.
 pub const MIN_DEPTH: f64 = 1e-4;
@@ -56,18 +56,22 @@ pub fn intersect_object(scene: &CompiledScene, object_ix: u32, ray: &Ray, t_min:
 
 /// As [`intersect_object`], with a moving object where it is at `time`.
 pub fn intersect_object_at(scene: &CompiledScene, object_ix: u32, ray: &Ray, time: f64, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
-    let g = &scene.geometry;
-    let object = &g.objects[object_ix as usize];
     let mut nearest = Nearest::new(scene, ray, t_min, t_max);
     nearest.time = time;
-    let slabs = Slabs::new(ray);
+    test_object(scene, object_ix, &Slabs::new(ray), &mut nearest);
+    nearest.finish()
+}
+
+/// Tests the primitives of one object.
+fn test_object(scene: &CompiledScene, object_ix: u32, slabs: &Slabs, nearest: &mut Nearest) {
+    let g = &scene.geometry;
+    let object = &g.objects[object_ix as usize];
     for prim_ix in object.prims.clone() {
         let b = &g.bounds[prim_ix as usize];
         if g.prims[prim_ix as usize].flags & prim_flags::INSIDE_ONLY == 0 && (b.is_unbounded() || slabs.hits(b, nearest.t)) {
             nearest.test(prim_ix);
         }
     }
-    nearest.finish()
 }
 
 /// What lies on `ray` with `t_min < t < t_max`: stops at the first opaque hit found anywhere. Primitives without shadow are skipped.
@@ -113,13 +117,18 @@ pub fn intersect_shadow_at(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f
 fn meets_bounds(scene: &CompiledScene, object_ix: u32, ray: &Ray) -> bool {
     let g = &scene.geometry;
     let object = &g.objects[object_ix as usize];
-    if object.cull_box.is_some_and(|b| !Slabs::new(ray).hits(&b, f64::INFINITY)) {
+    let slabs = Slabs::new(ray);
+    if object.cull_box.is_some_and(|b| !slabs.hits(&b, f64::INFINITY)) {
         return false;
     }
+    let meets = |object_ix: u32| {
+        let mut any = Nearest::new(scene, ray, 0.0, f64::INFINITY);
+        any.stop_at_first = true;
+        test_object(scene, object_ix, &slabs, &mut any);
+        any.found()
+    };
     let range = &object.bounded_by;
-    g.bounding_objects[range.start as usize..range.end as usize]
-        .iter()
-        .all(|b| inside_object(scene, *b, ray.origin) || intersect_object(scene, *b, ray, 0.0, f64::INFINITY).is_some())
+    g.bounding_objects[range.start as usize..range.end as usize].iter().all(|b| inside_object(scene, *b, ray.origin) || meets(*b))
 }
 
 /// Tests the primitives that the ray may meet: those without bounds first, then the tree's, near ones first.
@@ -153,14 +162,19 @@ impl Slabs {
         Self { origin: ray.origin, inverse: ray.dir.recip() }
     }
 
-    /// Whether the ray meets the box between 0 and `t_max`, both included.
+    /// Where the ray's line enters the box and where it leaves it, the first above the second when it misses.
     #[inline]
-    pub fn hits(&self, b: &crate::math::Bounds, t_max: f64) -> bool {
+    pub fn interval(&self, b: &Bounds) -> (f64, f64) {
         let (a, c) = ((b.min - self.origin) * self.inverse, (b.max - self.origin) * self.inverse);
         // 0 * infinity is NaN where the ray runs in a face; f64::min and max then take the other side.
-        let near = a.x.min(c.x).max(a.y.min(c.y)).max(a.z.min(c.z)).max(0.0);
-        let far = a.x.max(c.x).min(a.y.max(c.y)).min(a.z.max(c.z)).min(t_max);
-        near <= far * (1.0 + 4.0 * f64::EPSILON)
+        (a.x.min(c.x).max(a.y.min(c.y)).max(a.z.min(c.z)), a.x.max(c.x).min(a.y.max(c.y)).min(a.z.max(c.z)))
+    }
+
+    /// Whether the ray meets the box between 0 and `t_max`, both included.
+    #[inline]
+    pub fn hits(&self, b: &Bounds, t_max: f64) -> bool {
+        let (near, far) = self.interval(b);
+        near.max(0.0) <= far.min(t_max) * (1.0 + 4.0 * f64::EPSILON)
     }
 }
 
@@ -301,6 +315,15 @@ impl HitSink for Nearest<'_> {
     fn far(&self) -> f64 {
         // Nothing is wanted any more: the shape may end its search.
         if self.stop_at_first && self.found() { f64::NEG_INFINITY } else { self.t / self.per_local }
+    }
+
+    fn within(&self) -> Option<(f64, f64)> {
+        let g = &self.scene.geometry;
+        let (b, prim) = (&g.bounds[self.prim as usize], &g.prims[self.prim as usize]);
+        let (near, far) = Slabs::new(self.ray).interval(b);
+        // The box of what moves is that of all its places; a ray that runs in a face of it may have no numbers.
+        let is_usable = !b.is_unbounded() && prim.flags & prim_flags::MOVING == 0 && near.is_finite() && far.is_finite();
+        is_usable.then_some((near / self.per_local, far / self.per_local))
     }
 }
 

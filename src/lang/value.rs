@@ -280,8 +280,14 @@ impl SymbolTable {
     pub const MAX_SCOPES: usize = 100;
 
     /// The innermost entry of a name, with its scope.
+    #[inline]
     pub fn find(&self, name: Symbol) -> Option<(usize, &Entry)> {
-        self.scopes.iter().enumerate().rev().find_map(|(i, s)| s.get(&name).map(|e| (i, e)))
+        for (i, scope) in self.scopes.iter().enumerate().rev() {
+            if let Some(e) = scope.get(&name) {
+                return Some((i, e));
+            }
+        }
+        None
     }
 
     /// The place that a name stands for, aliases followed.

@@ -5,6 +5,7 @@ pub mod bernstein;
 pub mod bounds;
 pub mod color;
 pub mod complex;
+mod lattice;
 pub mod noise;
 pub mod random;
 pub mod ray;

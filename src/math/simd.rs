@@ -5,6 +5,8 @@
 //! is `#[inline(always)]` is compiled for AVX2 too.
 #![allow(unsafe_code)]
 
+pub(crate) mod kernels;
+
 /// Work that is compiled for each kind of processor.
 pub trait Kernel {
     /// What it gives.

@@ -70,6 +70,10 @@ impl Tracer<'_> {
         let mut behind = false;
         if spread.is_none() && !Self::double_illuminated(ctx) && way.dir.dot(layer.normal) < EPSILON {
             if layer.finish.diffuse_back == 0.0 {
+                // Media draw random numbers on the way, which would show elsewhere.
+                if !scene.options.skip && self.plan.quality.shadows && !self.plan.has_media {
+                    self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving);
+                }
                 return Vec3::ZERO;
             }
             behind = true;

@@ -40,7 +40,7 @@ impl Tracer<'_> {
             if left <= 2.0 * SHADOW_TOLERANCE {
                 break;
             }
-            let last = self.blockers[light_ix as usize][slot];
+            let last = if scene.options.skip { self.blockers[light_ix as usize][slot] } else { u32::MAX };
             match intersect_shadow(scene, &ray, SHADOW_TOLERANCE, left - SHADOW_TOLERANCE, last) {
                 ShadowHit::None => break,
                 ShadowHit::Opaque { prim_ix } => {

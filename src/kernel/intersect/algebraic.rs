@@ -2,6 +2,7 @@
 
 use super::{HitSink, LocalRay, Part};
 use crate::compile::shape::algebraic::{PolyShape, QuadricShape, SuperellipsoidShape};
+use crate::math::bernstein::roots_in_unit;
 use crate::math::roots::{MAX_ORDER, solve_polynomial};
 use crate::math::{DVec3, EPSILON, MAX_DISTANCE};
 
@@ -61,11 +62,6 @@ pub fn intersect_poly(s: &PolyShape, ray: &LocalRay, sink: &mut impl HitSink) {
     }
     along[..=n].reverse();
     let c = &along[..=n];
-    let mut push = |t: f64| {
-        if t > 1e-4 && t < MAX_DISTANCE {
-            sink.push(t, Part::default());
-        }
-    };
     if n == 2 {
         let [qa, qb, qc] = [c[0], c[1], c[2]].map(|v| if v.abs() < 1e-20 { 0.0 } else { v });
         if qa == 0.0 {
@@ -74,8 +70,8 @@ pub fn intersect_poly(s: &PolyShape, ray: &LocalRay, sink: &mut impl HitSink) {
         let disc = qb * qb - 4.0 * qa * qc;
         if disc >= 0.0 {
             let root = disc.sqrt();
-            push((-qb + root) / (2.0 * qa));
-            push((-qb - root) / (2.0 * qa));
+            sink_at((-qb + root) / (2.0 * qa), sink);
+            sink_at((-qb - root) / (2.0 * qa), sink);
         }
         return;
     }
@@ -87,12 +83,49 @@ pub fn intersect_poly(s: &PolyShape, ray: &LocalRay, sink: &mut impl HitSink) {
     if c.iter().all(|v| *v >= 0.0) || c.iter().all(|v| *v <= 0.0) {
         return;
     }
+    // What POV-Ray gives to Sturm chains has all its roots exactly: so have Bernstein coefficients over the box, in a fraction of the time.
+    if (s.sturm || n > 4)
+        && n < MAX_BERNSTEIN
+        && let Some((near, far)) = sink.within()
+    {
+        let slack = 1e-9 * (far.abs() + near.abs());
+        let (low, high) = ((near - slack).max(1e-4), (far + slack).min(sink.far()).min(MAX_DISTANCE));
+        if low < high {
+            let mut moved = [0.0; MAX_BERNSTEIN];
+            let moved = moved_to_unit(c, low, high, &mut moved);
+            roots_in_unit(moved).iter().for_each(|t| {
+                sink_at(low + t * (high - low), sink);
+            });
+        }
+        return;
+    }
     let roots = solve_polynomial(c, s.sturm, 1e-4);
     for (k, t) in roots.iter().enumerate() {
         if !roots[..k].contains(t) {
-            push(*t);
+            sink_at(*t, sink);
         }
     }
+}
+
+/// Most coefficients of a polynomial that is solved over an interval.
+const MAX_BERNSTEIN: usize = 12;
+
+/// The polynomial `c`, highest power first, as one of the place between `low` (0) and `high` (1).
+fn moved_to_unit<'m>(c: &[f64], low: f64, high: f64, out: &'m mut [f64; MAX_BERNSTEIN]) -> &'m [f64] {
+    let n = c.len();
+    out[..n].copy_from_slice(c);
+    // Horner's scheme again and again: each pass leaves one coefficient at `low` behind.
+    for end in (1..n).rev() {
+        for k in 1..=end {
+            out[k] += out[k - 1] * low;
+        }
+    }
+    let mut scale = 1.0;
+    for v in out[..n].iter_mut().rev() {
+        *v *= scale;
+        scale *= high - low;
+    }
+    &out[..n]
 }
 
 /// Coefficients along the ray for orders up to 4, from the lowest up: Horner's scheme in x over polynomials in y over polynomials in z,

@@ -45,6 +45,10 @@ pub trait HitSink {
     fn push(&mut self, t: f64, part: Part);
     /// Local depth beyond which hits are of no use; may shrink with every push.
     fn far(&self) -> f64;
+    /// Local depths between which hits may stand: those of the primitive's box, where there is one.
+    fn within(&self) -> Option<(f64, f64)> {
+        None
+    }
 }
 
 /// A ray in a shape's space; `dir` is unit.

@@ -2,7 +2,9 @@
 
 use crate::math::noise::noise;
 use crate::math::random::{HASH, HASH_LEN, UNIFORM_TABLE_LEN, hash3, uniform_table};
+use crate::math::simd::kernels::{NearestOf, least_squares};
 use crate::math::{DVec3, EPSILON};
+use std::cell::RefCell;
 
 /// A random number a cell.
 pub fn cells(p: DVec3) -> f64 {
@@ -35,9 +37,79 @@ fn around(base: [i64; 3], mut f: impl FnMut(DVec3)) {
     }
 }
 
+#[inline]
 fn base_cell(p: DVec3) -> [i64; 3] {
-    let b = (p - DVec3::splat(EPSILON)).floor();
-    [b.x as i64, b.y as i64, b.z as i64]
+    (p - DVec3::splat(EPSILON)).to_array().map(|v| {
+        // Not f64::floor, a call into the library without SSE4.1.
+        let i = v as i64;
+        if (i as f64) > v { i.saturating_sub(1) } else { i }
+    })
+}
+
+/// The random points of the 27 cells at and next to one, by axis; the last place is far away.
+struct NearPoints {
+    base: [i64; 3],
+    points: NearestOf,
+}
+
+impl NearPoints {
+    fn fill(&mut self, base: [i64; 3]) {
+        let table = &uniform_table()[..UNIFORM_TABLE_LEN];
+        let h = |n: usize| usize::from(HASH[n & (HASH_LEN - 1)]);
+        let wrapped = |axis: usize, o: i64| (base[axis].wrapping_add(o) & 4095) as usize;
+        let mut k = 0;
+        for x in -1..=1 {
+            let hx = h(wrapped(0, x));
+            for y in -1..=1 {
+                let hy = h(hx ^ wrapped(1, y));
+                for z in -1..=1 {
+                    let hz = h(hy ^ wrapped(2, z));
+                    let r = &table[hz..hz + 3];
+                    for (axis, o) in [x, y, z].into_iter().enumerate() {
+                        self.points[axis][k] = base[axis].wrapping_add(o) as f64 + r[axis];
+                    }
+                    k += 1;
+                }
+            }
+        }
+        self.base = base;
+    }
+}
+
+/// Cells whose points are kept, each at a place of its own modulo this: all neighbours of a cell, so rays that cross cells find them.
+const N_NEAR: usize = 32;
+
+thread_local! {
+    /// Kept between samples, which come in runs. Measured: textures/patterns/crackle3 and interior/media/micro, see docs/speed.md.
+    static NEAR: RefCell<[NearPoints; N_NEAR]> =
+        const { RefCell::new([const { NearPoints { base: [i64::MIN; 3], points: [[1e30; 28]; 3] } }; N_NEAR]) };
+}
+
+/// As [`nearest`] with squares, from the 27 points at hand; where one of those farther away could be nearer, `nearest` itself.
+fn nearest_by_squares<const N: usize>(p: DVec3) -> ([f64; N], DVec3) {
+    let base = base_cell(p);
+    NEAR.with_borrow_mut(|kept| {
+        let place = base[0].wrapping_add(base[1].wrapping_mul(3)).wrapping_add(base[2].wrapping_mul(9));
+        let near = &mut kept[place as usize % N_NEAR];
+        if near.base != base {
+            near.fill(base);
+        }
+        let d: [f64; N] = least_squares(&near.points, p);
+        // All points of cells two away are at least one away.
+        if !(d[N - 1] < 0.999) {
+            return nearest(p, |v| v * v);
+        }
+        let [x, y, z] = &near.points;
+        let points = (0..27).map(|k| DVec3::new(x[k], y[k], z[k]));
+        let q = if N > 1 { DVec3::ZERO } else { points.into_iter().find(|q| square_distance(*q, p) == d[0]).unwrap_or_default() };
+        (d, q)
+    })
+}
+
+#[inline]
+fn square_distance(q: DVec3, p: DVec3) -> f64 {
+    let e = q - p;
+    e.x * e.x + e.y * e.y + e.z * e.z
 }
 
 /// The `N` smallest distance sums to the points around `p`, and the nearest point. `power` is the metric's term of one axis.
@@ -96,19 +168,24 @@ fn nearest<const N: usize>(p: DVec3, power: impl Fn(f64) -> f64) -> ([f64; N], D
     (d, nearest)
 }
 
-/// As many distances as the form needs; the others are 0.
+/// As many distances as the form needs, the others are 0; and, where one is needed, the nearest point.
 #[inline(always)]
-fn distances(p: DVec3, needed: usize, power: impl Fn(f64) -> f64 + Copy) -> ([f64; 3], DVec3) {
+fn distances(
+    needed: usize,
+    one: impl Fn() -> ([f64; 1], DVec3),
+    two: impl Fn() -> ([f64; 2], DVec3),
+    three: impl Fn() -> ([f64; 3], DVec3),
+) -> ([f64; 3], DVec3) {
     match needed {
         0 | 1 => {
-            let ([a], q) = nearest::<1>(p, power);
+            let ([a], q) = one();
             ([a, 0.0, 0.0], q)
         }
         2 => {
-            let ([a, b], q) = nearest::<2>(p, power);
+            let ([a, b], q) = two();
             ([a, b, 0.0], q)
         }
-        _ => nearest::<3>(p, power),
+        _ => three(),
     }
 }
 
@@ -117,11 +194,12 @@ pub fn crackle(p: DVec3, form: DVec3, metric: f64, offset: f64, solid: bool, gen
     let square = metric == 2.0;
     let needed = if solid { 1 } else { (0..3).rev().find(|k| form[*k] != 0.0).map_or(1, |k| k + 1) };
     let (d, nearest) = if square {
-        distances(p, needed, |v| v * v)
+        distances(needed, || nearest_by_squares(p), || nearest_by_squares(p), || nearest_by_squares(p))
     } else if metric == 1.0 {
-        distances(p, needed, |v| v)
+        distances(needed, || nearest(p, |v| v), || nearest(p, |v| v), || nearest(p, |v| v))
     } else {
-        distances(p, needed, |v| v.powf(metric))
+        let power = |v: f64| v.powf(metric);
+        distances(needed, || nearest(p, power), || nearest(p, power), || nearest(p, power))
     };
     if solid {
         return noise(nearest, generator);
@@ -172,4 +250,20 @@ pub fn nearest_facet(p: DVec3, metric: f64) -> DVec3 {
         }
     });
     nearest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_at_hand_give_what_the_search_through_all_cells_gives() {
+        for i in 0..20_000 {
+            let i = f64::from(i);
+            let p = DVec3::new((i * 0.37).sin() * 9.0, i * 0.013 - 100.0, (i * 0.11).cos() * 4100.0);
+            assert_eq!(nearest_by_squares::<1>(p), nearest(p, |v| v * v), "{p}");
+            assert_eq!(nearest_by_squares::<2>(p).0, nearest::<2>(p, |v| v * v).0, "{p}");
+            assert_eq!(nearest_by_squares::<3>(p).0, nearest::<3>(p, |v| v * v).0, "{p}");
+        }
+    }
 }

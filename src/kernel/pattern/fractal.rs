@@ -38,9 +38,24 @@ impl C {
     }
 }
 
+/// Whether the orbit of 0 under z² + c is known to stay bounded: `c` is in the main cardioid or the disc of period 2, and not at the rim,
+/// where roundings could carry the orbit out.
+fn is_in_large_bulbs(c: C) -> bool {
+    const INNER: f64 = 1.0 - 1e-9;
+    let y_sq = c.1 * c.1;
+    let x = c.0 - 0.25;
+    let q = x * x + y_sq;
+    q * (q + x) < INNER * 0.25 * y_sq || (c.0 + 1.0) * (c.0 + 1.0) + y_sq < INNER * 0.0625
+}
+
 /// The value of a fractal pattern.
 pub fn fractal(f: &FractalPattern, p: DVec3) -> f64 {
     let at = C(p.x, p.y);
+    // A colour that is the same all over the inside needs no orbit.
+    let is_plain = f.magnet == 0 && f.exponent == 2 && f.julia.is_none();
+    if is_plain && f.interior.0 == 0 && is_in_large_bulbs(at) {
+        return f.interior.1;
+    }
     let (mut z, c, mut least) = match (f.magnet, f.julia) {
         (0, None) => (at, at, at.norm()),
         (0, Some((a, b))) => (at, C(a, b), at.norm()),
@@ -140,6 +155,25 @@ fn interior(f: &FractalPattern, z: C, least: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_of_the_large_bulbs_are_those_whose_orbits_stay() {
+        let plain = FractalPattern { magnet: 0, julia: None, iterations: 3000, exponent: 2, exterior: (1, 1.0), interior: (0, 7.0) };
+        // Kind 1 of the inside asks for the orbit.
+        let asked = FractalPattern { interior: (1, 7.0), exterior: (0, -1.0), ..plain };
+        let mut n_inside = 0;
+        for i in 0..120 {
+            for j in 0..60 {
+                let p = DVec3::new(f64::from(i) * 0.025 - 2.2, f64::from(j) * 0.02 + 1e-4, 0.0);
+                if is_in_large_bulbs(C(p.x, p.y)) {
+                    n_inside += 1;
+                    assert_eq!(fractal(&plain, p), 7.0);
+                    assert!(fractal(&asked, p) >= 0.0, "{p} escapes");
+                }
+            }
+        }
+        assert!(n_inside > 1000);
+    }
 
     #[test]
     fn a_cycle_is_found_with_its_period_and_once() {

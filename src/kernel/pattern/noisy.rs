@@ -3,13 +3,12 @@
 use super::cycloidal;
 use crate::compile::texture::PatternNode;
 use crate::math::DVec3;
-use crate::math::noise::{noise, turbulence_vector};
+use crate::math::noise::{noise_doublings, turbulence_vector};
 
 /// Six octaves of folded noise.
 pub fn granite(p: DVec3, generator: u8) -> f64 {
     let (mut sum, mut scale) = (0.0, 1.0);
-    for _ in 0..6 {
-        let n = noise(p * (4.0 * scale), generator);
+    for n in noise_doublings::<6>(p * 4.0, generator) {
         let folded = if generator > 1 { (1.0 - 2.0 * n).abs().min(0.5) } else { (0.5 - n).abs() };
         sum += folded / scale;
         scale *= 2.0;
@@ -20,8 +19,7 @@ pub fn granite(p: DVec3, generator: u8) -> f64 {
 /// Ten octaves, each clamped.
 pub fn wrinkles(p: DVec3, generator: u8) -> f64 {
     let (mut sum, mut scale) = (0.0, 1.0);
-    for _ in 0..10 {
-        let n = noise(p * scale, generator);
+    for n in noise_doublings::<10>(p, generator) {
         sum += if generator > 1 { (2.0 * n - 0.5).clamp(0.0, 1.0) } else { n } / scale;
         scale *= 2.0;
     }

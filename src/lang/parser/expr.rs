@@ -3,7 +3,7 @@
 use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
 use crate::lang::token::{Punct, Token, TokenKind};
-use crate::lang::value::{Num, Value};
+use crate::lang::value::{Binding, Entry, Num, Value};
 use crate::math::{DVec2, DVec3, DVec4};
 
 /// Values closer than this are equal, and numbers this small are false.
@@ -126,7 +126,14 @@ impl Parser<'_> {
         if self.closed_ops { self.closed_place(|p| p.peek()) } else { self.peek() }
     }
 
+    #[inline]
     fn op(&mut self) -> PResult<Option<Punct>> {
+        // Each level of an expression asks for the same token: most find it here.
+        if let Some(t) = &self.ahead
+            && (self.ahead_is_open || self.closed || self.closed_ops)
+        {
+            return Ok(if let TokenKind::Punct(p) = t.kind { Some(p) } else { None });
+        }
         Ok(if let TokenKind::Punct(p) = self.peek_op()?.kind { Some(p) } else { None })
     }
 
@@ -318,6 +325,12 @@ impl Parser<'_> {
                 Ok(value)
             }
             TokenKind::Ident(name) => {
+                let found = self.symbols.find(name).map(|(_, entry)| entry);
+                if let Some(Entry { binding: Binding::Value(Value::Num(n)), deprecated: None, .. }) = found {
+                    let n = *n;
+                    self.next()?;
+                    return Ok(n);
+                }
                 self.next()?;
                 let Some(place) = self.take_place(name)? else { return Err(self.expected_instead("numeric expression", t)) };
                 match self.symbols.value_at(&place) {

@@ -12,10 +12,23 @@ use std::sync::Arc;
 
 impl Parser<'_> {
     /// The next token as it stands in the text; frames that end are left on the way.
+    #[inline]
     pub(super) fn next_raw(&mut self) -> Token {
         if let Some(t) = self.ahead.take() {
             return t;
         }
+        let frame = self.frames.last_mut().expect("the main file's frame stays");
+        match frame.tokens[..frame.end].get(frame.at) {
+            Some(t) if t.kind != TokenKind::Eof => {
+                frame.at += 1;
+                *t
+            }
+            _ => self.next_frame(),
+        }
+    }
+
+    /// As [`Parser::next_raw`], where the innermost frame may have ended.
+    fn next_frame(&mut self) -> Token {
         loop {
             let frame = self.frames.last_mut().expect("the main file's frame stays");
             if frame.at < frame.end {
@@ -57,12 +70,17 @@ impl Parser<'_> {
     }
 
     /// The next token, directives run and macros expanded, without taking it.
+    #[inline]
     pub(super) fn peek(&mut self) -> PResult<Token> {
         if let Some(t) = self.ahead
             && (self.ahead_is_open || self.closed)
         {
             return Ok(t);
         }
+        self.read_ahead()
+    }
+
+    fn read_ahead(&mut self) -> PResult<Token> {
         let t = self.read()?;
         self.ahead = Some(t);
         self.ahead_is_open = !self.closed || !self.is_special(t);
@@ -78,6 +96,7 @@ impl Parser<'_> {
     }
 
     /// Takes the next token.
+    #[inline]
     pub(super) fn next(&mut self) -> PResult<Token> {
         let t = self.peek()?;
         self.ahead = None;
@@ -259,6 +278,7 @@ impl Parser<'_> {
     }
 
     /// What is being read holds the value of a name: it is nested at least as deep.
+    #[inline]
     pub(super) fn note_reach(&mut self, name: Symbol) {
         if !matches!(self.symbols.value(name), None | Some(Value::Num(_) | Value::Str(_) | Value::Macro(_))) {
             self.reach = self.reach.max(self.symbols.nesting(name));
