@@ -196,7 +196,7 @@ pub(super) struct Nearest<'a> {
     /// Of moving objects; below 0 they are at rest.
     time: f64,
     /// Moving object met last, and where it is.
-    moved: (u32, Transform),
+    moved: Option<(u32, Transform)>,
     /// Primitives tested before, each at its place modulo the length: trees may offer one again and again.
     tested: [u32; N_TESTED],
     /// Object whose bounds were asked last, and the answer.
@@ -218,7 +218,8 @@ impl<'a> Nearest<'a> {
             part: Part::default(),
             stop_at_first: false,
             time: REST,
-            moved: (u32::MAX, Transform::IDENTITY),
+            // Not a place that stands for none: a ray would write 200 bytes.
+            moved: None,
             tested: [u32::MAX; N_TESTED],
             bounds_asked: (u32::MAX, true),
             prim: u32::MAX,
@@ -268,10 +269,14 @@ impl<'a> Nearest<'a> {
 
     /// Where a moving primitive's object is, from where it rests.
     fn motion_of(&mut self, prim: &Prim) -> Transform {
-        if self.moved.0 != prim.object_ix {
-            self.moved = (prim.object_ix, motion_at(&self.scene.geometry, prim, self.time));
+        match self.moved {
+            Some((object_ix, motion)) if object_ix == prim.object_ix => motion,
+            _ => {
+                let motion = motion_at(&self.scene.geometry, prim, self.time);
+                self.moved = Some((prim.object_ix, motion));
+                motion
+            }
         }
-        self.moved.1
     }
 
     /// Whether any hit stands so far.

@@ -1,5 +1,6 @@
 //! Blobs as lists of field elements. Source: spec/objects.md, section 4.
 
+use crate::accel::{Accel, AccelKind, AccelOptions, PrimSet};
 use crate::math::{Bounds, DVec3, Transform};
 use crate::scene::shape::{BlobComponent, BlobKind};
 
@@ -52,8 +53,10 @@ pub struct BlobShape {
     pub threshold: f64,
     /// Field elements.
     pub elements: Vec<BlobElement>,
-    /// Boxes of the elements taken [`GROUP`] at a time: rays and points pass most of a large blob by.
+    /// Boxes of the elements taken [`GROUP`] at a time: points pass most of a large blob by.
     pub groups: Vec<Bounds>,
+    /// Tree over the elements' boxes, for rays.
+    pub tree: Accel,
     /// Blob space from element space.
     pub transforms: Vec<Transform>,
     /// By component: own cover as index of `TextureTables::textures`, or `NONE`.
@@ -64,17 +67,31 @@ pub struct BlobShape {
     pub sturm: bool,
 }
 
+/// The elements as a tree sees them.
+struct ElementBoxes<'e>(&'e [BlobElement]);
+
+impl PrimSet for ElementBoxes<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn bounds(&self, k: usize) -> Bounds {
+        self.0[k].bounds
+    }
+}
+
 impl BlobShape {
     /// `None` when nothing has reach.
     pub fn new(threshold: f64, components: &[BlobComponent], textures: Vec<u32>, sturm: bool) -> Option<Self> {
-        let mut shape =
-            Self { threshold, elements: Vec::new(), groups: Vec::new(), transforms: Vec::new(), textures, bounds: Bounds::EMPTY, sturm };
+        let (elements, groups, transforms, tree) = (Vec::new(), Vec::new(), Vec::new(), Accel::default());
+        let mut shape = Self { threshold, elements, groups, tree, transforms, textures, bounds: Bounds::EMPTY, sturm };
         for (k, c) in components.iter().enumerate() {
             shape.add(k as u32, c);
         }
         let positive = shape.elements.iter().filter(|e| e.f0 > 0.0 || threshold < 0.0);
         shape.bounds = positive.fold(Bounds::EMPTY, |b, e| b.union(e.bounds));
         shape.groups = shape.elements.chunks(GROUP).map(|c| c.iter().fold(Bounds::EMPTY, |b, e| b.union(e.bounds))).collect();
+        shape.tree = Accel::build(AccelKind::Auto, &ElementBoxes(&shape.elements), &AccelOptions::default());
         (!shape.bounds.is_empty()).then_some(shape)
     }
 

@@ -3,7 +3,7 @@
 use super::{HitSink, LocalRay, Part};
 use crate::compile::shape::blob::{BlobElement, BlobElementKind, BlobShape, GROUP};
 use crate::math::roots::solve_polynomial;
-use crate::math::{Bounds, DVec3, EPSILON, MAX_DISTANCE};
+use crate::math::{Bounds, DVec3, EPSILON, MAX_DISTANCE, Ray};
 use std::cell::RefCell;
 
 /// Hits nearer than this are not seen: large, as in POV-Ray.
@@ -33,21 +33,16 @@ pub fn intersect_blob(s: &BlobShape, ray: &LocalRay, all: bool, sink: &mut impl 
     let moved = LocalRay { origin: ray.at(start), ..*ray };
     EVENTS.with_borrow_mut(|events| {
         events.clear();
-        let slabs = Reach { origin: moved.origin, inverse: moved.dir.recip(), end: end - start };
-        for (group, b) in s.elements.chunks(GROUP).zip(&s.groups) {
-            if !slabs.meet(b) {
-                continue;
-            }
-            for e in group.iter().filter(|e| slabs.meet(&e.bounds)) {
-                if let Some((t0, t1, quartic)) = element_interval(s, e, &moved) {
-                    let t0 = t0.max(0.0);
-                    if t1 > t0 && t0 <= end - start {
-                        events.push(Event { t: t0, enters: true, quartic });
-                        events.push(Event { t: t1, enters: false, quartic });
-                    }
+        s.tree.any(&Ray::new(moved.origin, moved.dir), 0.0, end - start, |k| {
+            if let Some((t0, t1, quartic)) = element_interval(s, &s.elements[k as usize], &moved) {
+                let t0 = t0.max(0.0);
+                if t1 > t0 && t0 <= end - start {
+                    events.push(Event { t: t0, enters: true, quartic });
+                    events.push(Event { t: t1, enters: false, quartic });
                 }
             }
-        }
+            false
+        });
         events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t));
         let mut sum = [0.0; 5];
         let (mut n_active, mut k) = (0u32, 0);
@@ -72,24 +67,6 @@ pub fn intersect_blob(s: &BlobShape, ray: &LocalRay, all: bool, sink: &mut impl 
             }
         }
     });
-}
-
-/// A piece of a ray for box tests that may err towards meeting.
-struct Reach {
-    origin: DVec3,
-    inverse: DVec3,
-    end: f64,
-}
-
-impl Reach {
-    #[inline]
-    fn meet(&self, b: &Bounds) -> bool {
-        let (a, c) = ((b.min - self.origin) * self.inverse, (b.max - self.origin) * self.inverse);
-        // 0 * infinity is NaN where the ray runs in a face; f64::min and max then take the other side.
-        let near = a.x.min(c.x).max(a.y.min(c.y)).max(a.z.min(c.z)).max(0.0);
-        let far = a.x.max(c.x).min(a.y.max(c.y)).min(a.z.max(c.z)).min(self.end);
-        near <= far + 1e-9 * far.abs()
-    }
 }
 
 /// Solves within an interval; whether there was a hit.
