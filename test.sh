@@ -14,7 +14,8 @@ if { ! has_vulkan || ! has_fonts; } && command -v apt-get >/dev/null && [ "$(id 
   { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends mesa-vulkan-drivers libvulkan1 povray-includes; } >/dev/null 2>&1 || true
 fi
 # With a driver in place a test that finds no device is a failure, not a skip.
-if has_vulkan; then export RAYLOOM_REQUIRE_GPU=1; else left_out+=("GPU tests (no Vulkan driver; install mesa-vulkan-drivers)"); fi
+machines=()
+if has_vulkan; then export RAYLOOM_REQUIRE_GPU=1; machines=(--backend cpu --backend gpu); else left_out+=("GPU tests (no Vulkan driver; install mesa-vulkan-drivers)"); fi
 has_fonts || left_out+=("the text scene (no fonts of POV-Ray; install povray-includes)")
 
 if cargo fmt --version >/dev/null 2>&1; then step cargo fmt --check; else left_out+=("format check (no rustfmt)"); fi
@@ -32,7 +33,7 @@ else
   left_out+=("the Blender extension's core (no python3 with numpy)")
 fi
 # The picture suite on both machines; its report is target/suite/report.html.
-step cargo run --quiet -- suite tests/scenes --out target/suite --junit target/suite/junit.xml --quiet
+step cargo run --quiet -- suite tests/scenes --out target/suite --junit target/suite/junit.xml --quiet "${machines[@]}"
 
 echo
 for what in "${left_out[@]:-}"; do [ -z "$what" ] || echo "left out: $what"; done

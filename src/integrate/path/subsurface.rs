@@ -34,8 +34,8 @@ impl PathTracer<'_> {
         let mut rng = Pcg::new(path.sampler.stream(path.step) ^ 0x2545_f491);
         let g = s.anisotropy;
         let albedo = s.albedo.map(|a| single_scattering(a, g));
-        // Mean free paths are those of isotropic scattering; channels that do not walk have weight 0. Cycles shortens the radius so that a walk
-        // looks like its older profiles of that radius.
+        // Mean free paths are those of isotropic scattering; channels that do not walk have weight 0. The 4π was fitted to one of Cycles'
+        // pictures (04_principled_lobes), not derived: docs/path.md says what remains.
         let extinction = s.radius.map(|r| 4.0 * std::f32::consts::PI / r.max(1e-6)) / (1.0 - g);
         let mut throughput = Vec3::new(
             if s.albedo.x > 0.0 { s.weight.x / s.albedo.x } else { 0.0 },
