@@ -15,7 +15,8 @@ use std::time::Instant;
 
 /// Most rays of a set on the CPU: a part of what a GPU needs to be busy.
 const CPU_RAYS: usize = 1 << 18;
-/// Rays whose steps are counted.
+/// Rays whose steps are counted, on GPUs.
+#[cfg(feature = "gpu")]
 const COUNTED_RAYS: usize = 1 << 18;
 /// Primitive tests of brute force that a measurement may take: on CPUs (and GPUs in software), on cards.
 const BRUTE_TESTS: [f64; 2] = [4e8, 2e11];
