@@ -22,7 +22,7 @@ pub struct GridBox {
     pub lo: [f32; 3],
     /// Size of a cell.
     pub size: [f32; 3],
-    /// Cells along each axis, 1 to [`GRID_SIDE`].
+    /// Cells along each axis, 1 to 1024.
     pub n: [u32; 3],
     /// Cell (0, 0, 0); x runs fastest.
     pub first_cell: u32,
