@@ -1,7 +1,7 @@
 //! The BVH: 64-byte nodes of two boxes and how a ray walks them. The build stands in `accel/bvh_build.rs`.
 
 use super::slabs::SlabRay;
-use super::{AccelStats, BoxF, can_meet};
+use super::{AccelStats, BoxF, can_meet, nearest_of};
 use crate::math::Ray;
 
 /// Marks a leaf in [`BvhNode::child`].
@@ -29,6 +29,20 @@ impl BvhNode {
     /// Box of a child.
     pub fn child_box(&self, which: usize) -> BoxF {
         BoxF { lo: self.planes.map(|p| p[0][which]), hi: self.planes.map(|p| p[1][which]) }
+    }
+}
+
+/// A child of a node, its box beside it; an inner child when `count` is 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BvhChild {
+    pub bounds: BoxF,
+    pub child: u32,
+    pub count: u32,
+}
+
+impl BvhChild {
+    pub fn is_inner(&self) -> bool {
+        self.child & BVH_LEAF == 0
     }
 }
 
@@ -78,15 +92,7 @@ impl Bvh {
     /// As [`super::Accel::closest_slots`].
     #[inline]
     pub fn closest_slots(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32, f64) -> Option<f64>) {
-        let visit = |first: u32, count: u32, mut best: f64| {
-            for slot in first..first + count {
-                if let Some(t) = hit(slot, best) {
-                    best = t;
-                }
-            }
-            Some(best)
-        };
-        self.walk(ray, t_min, t_max, visit);
+        self.walk(ray, t_min, t_max, |first, count, best| Some(nearest_of(first, count, best, &mut hit)));
     }
 
     /// As [`super::Accel::any_slot`].
@@ -149,6 +155,26 @@ impl Bvh {
                 }
             }
         }
+    }
+
+    /// The children of a node; a tree that is one leaf has an empty sibling, which is left out.
+    fn children(&self, node_ix: u32) -> impl Iterator<Item = BvhChild> {
+        let n = &self.nodes[node_ix as usize];
+        let all = (0..2).map(|c| BvhChild { bounds: n.child_box(c), child: n.child[c], count: n.count[c] });
+        all.filter(|c| c.is_inner() || c.count > 0)
+    }
+
+    /// What stands below a node when its children are opened until there are `width`: the largest first, which rays most likely go into.
+    pub(super) fn opened(&self, node_ix: u32, width: usize) -> Vec<BvhChild> {
+        let mut open = Vec::with_capacity(width + 1);
+        open.extend(self.children(node_ix));
+        while open.len() < width {
+            let inner = (0..open.len()).filter(|k| open[*k].is_inner());
+            let Some(k) = inner.max_by(|a, b| open[*a].bounds.half_area().total_cmp(&open[*b].bounds.half_area())) else { break };
+            let parent = open.swap_remove(k);
+            open.extend(self.children(parent.child));
+        }
+        open
     }
 
     /// Whether every number in the tree makes sense: children after their parent, each primitive of a leaf below `n_prims`, none twice.

@@ -7,7 +7,7 @@
 use super::boxf::{round_down, round_up};
 use super::bvh::MAX_DEPTH;
 use super::stack::Stack;
-use super::{AccelStats, BoxF, can_meet};
+use super::{AccelStats, BoxF, can_meet, nearest_of};
 use crate::math::Ray;
 use crate::math::simd::{self, Kernel, Simd};
 
@@ -215,7 +215,7 @@ struct Closest<F>(F);
 impl<F: FnMut(u32, f64) -> Option<f64>> LeafVisitor for Closest<F> {
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, _: S, first: u32, count: u32, t_max: f64) -> Option<f64> {
-        Some((first..first + count).fold(t_max, |best, slot| (self.0)(slot, best).unwrap_or(best)))
+        Some(nearest_of(first, count, t_max, &mut self.0))
     }
 }
 

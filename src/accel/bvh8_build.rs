@@ -2,11 +2,8 @@
 
 use super::bvh::BVH_LEAF;
 use super::bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, NO_PRIM, PACK, WIDTH};
-use super::{AccelOptions, AccelStats, BoxF, Bvh, PrimSet, seconds_since};
+use super::{AccelOptions, AccelStats, Bvh, PrimSet, seconds_since};
 use std::time::Instant;
-
-/// A child of a binary node: box, and `child` and `count` as there.
-type Binary = (BoxF, u32, u32);
 
 struct Collapse<'b> {
     binary: &'b Bvh,
@@ -40,38 +37,22 @@ impl Bvh8 {
 }
 
 impl Collapse<'_> {
-    fn children(&self, node_ix: u32) -> [Binary; 2] {
-        let n = &self.binary.nodes[node_ix as usize];
-        [0, 1].map(|c| (n.child_box(c), n.child[c], n.count[c]))
-    }
-
     /// Appends the wide node in place of a binary one; gives its index.
     fn node(&mut self, node_ix: u32, depth: usize) -> u32 {
         self.depth = self.depth.max(depth);
-        let mut open = [(BoxF::EMPTY, BVH_LEAF, 0); WIDTH];
-        let mut n = 2;
-        open[..2].copy_from_slice(&self.children(node_ix));
-        // The largest inner child is the one that rays most likely go into.
-        while n < WIDTH {
-            let inner = (0..n).filter(|c| open[*c].1 & BVH_LEAF == 0);
-            let Some(c) = inner.max_by(|a, b| open[*a].0.half_area().total_cmp(&open[*b].0.half_area())) else { break };
-            let [a, b] = self.children(open[c].1);
-            open[c] = a;
-            open[n] = b;
-            n += 1;
-        }
+        let open = self.binary.opened(node_ix, WIDTH);
         let at = self.nodes.len();
         self.nodes.push(Bvh8Node::EMPTY);
-        for (c, (bounds, child, count)) in open[..n].iter().enumerate() {
-            if child & BVH_LEAF == 0 {
-                let inner = self.node(*child, depth + 1);
-                self.nodes[at].set(c, bounds, inner, 0);
-            } else if *count > 0 {
-                let first = (child ^ BVH_LEAF) as usize;
+        for (c, o) in open.iter().enumerate() {
+            if o.is_inner() {
+                let inner = self.node(o.child, depth + 1);
+                self.nodes[at].set(c, &o.bounds, inner, 0);
+            } else {
+                let first = (o.child ^ BVH_LEAF) as usize;
                 let slot = self.slots.len();
-                self.slots.extend_from_slice(&self.binary.refs[first..first + *count as usize]);
+                self.slots.extend_from_slice(&self.binary.refs[first..first + o.count as usize]);
                 self.slots.resize(slot + PACK, NO_PRIM);
-                self.nodes[at].set(c, bounds, BVH8_LEAF | slot as u32, *count);
+                self.nodes[at].set(c, &o.bounds, BVH8_LEAF | slot as u32, o.count);
             }
         }
         at as u32

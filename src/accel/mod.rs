@@ -278,7 +278,7 @@ impl Accel {
 }
 
 /// Offers slots one by one; gives the depth that still matters.
-#[inline]
+#[inline(always)]
 fn nearest_of(first: u32, count: u32, mut best: f64, hit: &mut impl FnMut(u32, f64) -> Option<f64>) -> f64 {
     for slot in first..first + count {
         if let Some(t) = hit(slot, best) {

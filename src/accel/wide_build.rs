@@ -1,16 +1,9 @@
 //! Building the wide BVH: a BVH of two children is opened, largest box first, until a node has eight.
 
+use super::bvh::BvhChild;
 use super::wide::{WIDE_LEAF, WideBvh, WideNode};
 use super::{AccelOptions, AccelStats, BVH_LEAF, BoxF, Bvh, PrimSet, seconds_since};
 use std::time::Instant;
-
-/// A child of a two-box node.
-#[derive(Clone, Copy)]
-struct Child {
-    bounds: BoxF,
-    child: u32,
-    count: u32,
-}
 
 struct Builder<'a> {
     bvh: &'a Bvh,
@@ -28,7 +21,7 @@ impl WideBvh {
         let mut b = Builder { bvh: &bvh, nodes: Vec::new(), refs: Vec::with_capacity(bvh.refs.len()), n_leaves: 0, depth: 0 };
         if !bvh.nodes.is_empty() {
             b.nodes.push(WideNode::default());
-            b.node(0, children_of(&bvh, 0), 1);
+            b.node(0, 0, 1);
         }
         let Builder { nodes, refs, n_leaves, depth, .. } = b;
         let n_bytes = nodes.len() * size_of::<WideNode>() + refs.len() * 4;
@@ -37,23 +30,11 @@ impl WideBvh {
     }
 }
 
-fn children_of(bvh: &Bvh, node: u32) -> Vec<Child> {
-    let n = &bvh.nodes[node as usize];
-    let all = (0..2).map(|c| Child { bounds: n.child_box(c), child: n.child[c], count: n.count[c] });
-    // A tree that is one leaf has an empty sibling.
-    all.filter(|c| c.child & BVH_LEAF == 0 || c.count > 0).collect()
-}
-
 impl Builder<'_> {
-    /// Fills node `at` with what comes of opening `children`.
-    fn node(&mut self, at: usize, mut children: Vec<Child>, depth: usize) {
+    /// Fills node `at` with what comes of opening a binary node.
+    fn node(&mut self, at: usize, node_ix: u32, depth: usize) {
         self.depth = self.depth.max(depth);
-        while children.len() < 8 {
-            let inner = children.iter().enumerate().filter(|(_, c)| c.child & BVH_LEAF == 0);
-            let Some((k, _)) = inner.max_by(|a, b| a.1.bounds.half_area().total_cmp(&b.1.bounds.half_area())) else { break };
-            let opened = children.swap_remove(k);
-            children.extend(children_of(self.bvh, opened.child));
-        }
+        let children = self.bvh.opened(node_ix, 8);
         let all = children.iter().fold(BoxF::EMPTY, |b, c| b.merged(c.bounds));
         let mut node = WideNode { origin: all.lo.map(f32::to_bits), first_ref: self.refs.len() as u32, ..WideNode::default() };
         for k in 0..3 {
@@ -68,7 +49,7 @@ impl Builder<'_> {
                 node.lo[k][slot] = ((f64::from(c.bounds.lo[k]) - lo) / step).floor().clamp(0.0, 255.0) as u8;
                 node.hi[k][slot] = ((f64::from(c.bounds.hi[k]) - lo) / step).ceil().clamp(0.0, 255.0) as u8;
             }
-            if c.child & BVH_LEAF == 0 {
+            if c.is_inner() {
                 node.exponents_inner[3] |= 1 << slot;
                 node.meta[slot] = 0b0011_1000 | slot as u8;
                 inner.push(c.child);
@@ -85,7 +66,7 @@ impl Builder<'_> {
         let first = self.nodes.len();
         self.nodes.resize(first + inner.len(), WideNode::default());
         for (k, child) in inner.into_iter().enumerate() {
-            self.node(first + k, children_of(self.bvh, child), depth + 1);
+            self.node(first + k, child, depth + 1);
         }
     }
 }
@@ -102,7 +83,7 @@ fn exponent(lo: f32, hi: f32) -> u8 {
 }
 
 /// Slot by slot, the child in it: children that lie most decidedly in an octant are placed first.
-fn in_octants(children: &[Child], all: &BoxF) -> [Option<usize>; 8] {
+fn in_octants(children: &[BvhChild], all: &BoxF) -> [Option<usize>; 8] {
     let middle = |b: &BoxF, k: usize| f64::from(b.lo[k]) + f64::from(b.hi[k]);
     let gain = |child: usize, slot: usize| -> f64 {
         let toward = |k: usize| if slot >> k & 1 == 1 { 1.0 } else { -1.0 };

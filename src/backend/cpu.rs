@@ -72,9 +72,9 @@ impl Backend for CpuBackend {
                     main.radiosity = first.radiosity;
                     main.start_radiosity_pass(false);
                 }
-                all.iter().for_each(|b| job.render(*b, &mut main));
+                all.iter().for_each(|b| job.classic_block(*b, &mut main));
             } else {
-                all.par_iter().with_max_len(1).for_each(|b| job.render(*b, &mut tracer()));
+                all.par_iter().with_max_len(1).for_each(|b| job.classic_block(*b, &mut tracer()));
             }
         });
         Ok(())
@@ -98,13 +98,8 @@ fn render_paths(
     pool.install(|| {
         all.par_iter().with_max_len(1).for_each(|block| {
             let mut tracer = PathTracer::new(&plan);
-            job.render_block(*block, settings.samples.len() as u32, |x, y| {
-                let mut sum = [0.0f64; 4];
-                for k in settings.samples.clone() {
-                    let c = tracer.sample(x, y, k);
-                    (0..4).for_each(|k| sum[k] += f64::from(c[k]));
-                }
-                sum.map(|v| (v / settings.samples.len() as f64) as f32)
+            job.block(*block, settings.samples.len() as u32, |go_on, pixels| {
+                rows_of(*block, go_on, pixels, |x, y| mean_of(settings, |k| tracer.sample(x, y, k)))
             });
         });
     });
@@ -128,16 +123,35 @@ struct Job<'j> {
 }
 
 impl Job<'_> {
-    /// A block whose pixels know nothing of each other.
-    fn render_block(&self, block: Block, n_samples: u32, pixel: impl FnMut(u32, u32) -> Sample) {
+    /// Renders a block, unless cancelled before: `rows(go_on, pixels)` fills it and gives the rows finished.
+    fn block(&self, block: Block, n_samples: u32, rows: impl FnOnce(&dyn Fn() -> bool, &mut [Sample]) -> u32) {
         let [x0, y0, x1, y1] = block;
         let go_on = || !self.cancel.load(Ordering::Relaxed);
         if !go_on() {
             return;
         }
         let mut pixels = vec![[0.0f32; 4]; (x1 - x0) as usize * (y1 - y0) as usize];
-        let rows = rows_of(block, &go_on, &mut pixels, pixel);
-        self.keep(block, rows, &pixels, n_samples);
+        let n_rows = rows(&go_on, &mut pixels);
+        self.keep(block, n_rows, &pixels, n_samples);
+    }
+
+    /// A block of the classic integrator.
+    fn classic_block(&self, block: Block, tracer: &mut Tracer) {
+        let n = if self.settings.antialias.is_some() { 1 } else { self.settings.samples.len().max(1) };
+        self.block(block, n as u32, |go_on, pixels| {
+            let rows = match &self.settings.antialias {
+                Some(aa) => aa.render_block(block, &mut |x, y| Some(tracer.pixel(x, y)), go_on, pixels),
+                None if n == 1 => rows_of(block, go_on, pixels, |x, y| tracer.pixel(f64::from(x), f64::from(y))),
+                None => rows_of(block, go_on, pixels, |x, y| {
+                    mean_of(self.settings, |k| {
+                        let (dx, dy) = sample_position(x, y, k, self.settings.seed);
+                        tracer.pixel(f64::from(x) + dx, f64::from(y) + dy)
+                    })
+                }),
+            };
+            // Rays that a cancel cut short left their mark on the last row, and on the one above (antialiasing looks up).
+            if go_on() { rows } else { rows.saturating_sub(2) }
+        });
     }
 
     /// Puts finished rows of a block on the film.
@@ -157,44 +171,20 @@ impl Job<'_> {
         let done = self.done.fetch_add(finished, Ordering::Relaxed) + finished;
         self.progress.pixels(done, (cx1 - cx0) * (cy1 - cy0));
     }
+}
 
-    fn render(&self, block: Block, tracer: &mut Tracer) {
-        let [x0, y0, x1, y1] = block;
-        let w = (x1 - x0) as usize;
-        let go_on = || !self.cancel.load(Ordering::Relaxed);
-        if !go_on() {
-            return;
-        }
-        let mut pixels = vec![[0.0f32; 4]; w * (y1 - y0) as usize];
-        let mut n_samples = 1;
-        let rows = match (&self.settings.antialias, self.settings.samples.len()) {
-            (Some(aa), _) => aa.render_block(block, &mut |x, y| Some(tracer.pixel(x, y)), &go_on, &mut pixels),
-            (None, 0 | 1) => rows_of(block, &go_on, &mut pixels, |x, y| tracer.pixel(f64::from(x), f64::from(y))),
-            (None, n) => {
-                n_samples = n as u32;
-                rows_of(block, &go_on, &mut pixels, |x, y| self.mean_of_samples(tracer, x, y))
-            }
-        };
-        // Rays that a cancel cut short left their mark on the last row, and on the one above (antialiasing looks up).
-        let rows = if go_on() { rows } else { rows.saturating_sub(2) };
-        self.keep(block, rows, &pixels, n_samples);
+/// Mean of the asked samples of a pixel.
+fn mean_of(settings: &RenderSettings, mut sample: impl FnMut(u32) -> Sample) -> Sample {
+    let mut sum = [0.0f64; 4];
+    for k in settings.samples.clone() {
+        let c = sample(k);
+        (0..4).for_each(|k| sum[k] += f64::from(c[k]));
     }
-
-    fn mean_of_samples(&self, tracer: &mut Tracer, x: u32, y: u32) -> Sample {
-        let mut sum = [0.0f32; 4];
-        let range = self.settings.samples.clone();
-        let n = range.len() as f32;
-        for k in range {
-            let (dx, dy) = sample_position(x, y, k, self.settings.seed);
-            let c = tracer.pixel(f64::from(x) + dx, f64::from(y) + dy);
-            (0..4).for_each(|k| sum[k] += c[k]);
-        }
-        sum.map(|v| v / n)
-    }
+    sum.map(|v| (v / settings.samples.len() as f64) as f32)
 }
 
 /// One value a pixel, row by row; gives the rows finished.
-fn rows_of([x0, y0, x1, y1]: Block, go_on: &impl Fn() -> bool, out: &mut [Sample], mut pixel: impl FnMut(u32, u32) -> Sample) -> u32 {
+fn rows_of([x0, y0, x1, y1]: Block, go_on: &dyn Fn() -> bool, out: &mut [Sample], mut pixel: impl FnMut(u32, u32) -> Sample) -> u32 {
     let mut places = out.iter_mut();
     for y in y0..y1 {
         if !go_on() {

@@ -3,7 +3,7 @@
 
 use super::rays::{RaySets, TestRay};
 use crate::accel::{AccelKind, AccelStats, STRUCTURES};
-use crate::compile::geometry::{PrimKind, prim_flags};
+use crate::compile::geometry::{GeometrySize, PrimKind, prim_flags};
 use crate::compile::{CompileError, CompileOptions, CompiledScene, compile_scene};
 use crate::diag::Sink;
 use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE, ShadowHit, intersect, intersect_shadow};
@@ -78,9 +78,7 @@ pub struct Row {
 pub struct Subject {
     scene: Scene,
     /// Faces and primitives.
-    pub n_prims: u64,
-    /// Mostly faces of meshes.
-    pub triangles: bool,
+    pub size: GeometrySize,
     /// All meshes were joined into one.
     pub is_merged: bool,
 }
@@ -92,15 +90,15 @@ impl Subject {
         let merged = merged(&compiled);
         let is_merged = merged.is_some();
         let scene = merged.unwrap_or(scene);
-        let g = &compiled.geometry;
-        let others = g.prims.iter().filter(|p| p.kind != PrimKind::Mesh && p.kind != PrimKind::BicubicPatch).count();
-        let faces: usize = if is_merged {
-            scene.objects.iter().map(|o| if let Shape::Mesh(m) = &o.shape { m.faces.len() } else { 0 }).sum()
-        } else {
-            g.shapes.meshes.iter().map(|m| m.mesh.faces.len()).sum()
-        };
-        Ok(Self { scene, n_prims: (faces + others) as u64, triangles: faces > others, is_merged })
+        // Instances of a mesh are faces of their own once joined.
+        let size = if is_merged { joined_size(&scene) } else { compiled.geometry.size() };
+        Ok(Self { scene, size, is_merged })
     }
+}
+
+fn joined_size(scene: &Scene) -> GeometrySize {
+    let faces = scene.objects.iter().map(|o| if let Shape::Mesh(m) = &o.shape { m.faces.len() } else { 0 }).sum();
+    GeometrySize { faces, others: 0 }
 }
 
 fn compiled(scene: &Scene, accel: AccelKind) -> Result<CompiledScene, CompileError> {
@@ -147,7 +145,7 @@ pub fn run(subject: &Subject, options: &AccelBench, told: &mut dyn FnMut(&Row)) 
     for kind in &options.kinds {
         let scene = compiled(&subject.scene, *kind)?;
         for (device, truth) in devices.iter().zip(&mut truth) {
-            let row = measure(device, &scene, *kind, subject.n_prims, &rays, truth);
+            let row = measure(device, &scene, *kind, subject.size.total(), &rays, truth);
             told(&row);
             rows.push(row);
         }

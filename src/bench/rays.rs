@@ -3,6 +3,7 @@
 use crate::compile::CompiledScene;
 use crate::kernel::camera::CameraModel;
 use crate::kernel::traverse::{MIN_DEPTH, intersect};
+use crate::math::random::SplitMix64;
 use crate::math::{Bounds, DVec3, Ray};
 use rayon::prelude::*;
 
@@ -28,19 +29,6 @@ pub struct RaySets {
 const TILE: u32 = 8;
 /// "No limit" for 32-bit depths.
 const FAR: f64 = 1e30;
-
-/// Numbers in 0..1 from a counter.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 fn rounded(origin: DVec3, dir: DVec3, t_max: f64) -> TestRay {
     TestRay { ray: Ray::new(origin.as_vec3().as_dvec3(), dir.as_vec3().as_dvec3()), t_max: f64::from(t_max as f32) }
@@ -84,13 +72,11 @@ impl RaySets {
                 let hit = intersect(scene, &r.ray, MIN_DEPTH, r.t_max, 0)?;
                 let n = if hit.normal.dot(r.ray.dir) > 0.0 { -hit.normal } else { hit.normal };
                 let p = hit.point + 1e-5 * size.length().min(1e6) * n;
-                let mut numbers = Numbers(k as u64 * 5 + 7);
-                let lamp = center + size * DVec3::new(0.2 * numbers.next() - 0.1, 0.45, 0.2 * numbers.next() - 0.1);
+                let mut numbers = SplitMix64(k as u64 * 5 + 7);
+                let lamp = center + size * DVec3::new(0.2 * numbers.unit() - 0.1, 0.45, 0.2 * numbers.unit() - 0.1);
                 let to_lamp = lamp - p;
                 let mirror = r.ray.dir - 2.0 * r.ray.dir.dot(n) * n;
-                let (z, a) = (1.0 - 2.0 * numbers.next(), std::f64::consts::TAU * numbers.next());
-                let s = (1.0 - z * z).max(0.0).sqrt();
-                let diffuse = (n + DVec3::new(s * a.cos(), s * a.sin(), z)).try_normalize().unwrap_or(n);
+                let diffuse = (n + numbers.direction()).try_normalize().unwrap_or(n);
                 let shadow = rounded(p, to_lamp.try_normalize()?, to_lamp.length());
                 Some([shadow, rounded(p, mirror.try_normalize()?, FAR), rounded(p, diffuse, FAR)])
             })

@@ -85,8 +85,8 @@ fn accel(args: &AccelArgs) -> Result<ExitCode, JobError> {
     let joined = if subject.is_merged { ", meshes joined into one" } else { "" };
     println!(
         "{name}: {} {}{joined}, {}x{} pixels",
-        subject.n_prims,
-        if subject.triangles { "triangles" } else { "primitives" },
+        subject.size.total(),
+        if subject.size.is_triangles() { "triangles" } else { "primitives" },
         args.size.0,
         args.size.1
     );
@@ -198,8 +198,12 @@ fn calibrate(subject: &Subject, rows: &[Row]) -> bool {
         let time = |r: &&Row| r.cells.iter().map(|c| c.map_or(f64::INFINITY, |c| 1.0 / c.mrays)).sum::<f64>();
         let of_device = rows.iter().filter(|r| r.device_key == device && time(r).is_finite());
         let Some(best) = of_device.min_by(|a, b| time(a).total_cmp(&time(b))) else { continue };
-        let choice =
-            Choice { device: device.into(), triangles: subject.triangles, n_prims: subject.n_prims, accel: best.kind.name().into() };
+        let choice = Choice {
+            device: device.into(),
+            triangles: subject.size.is_triangles(),
+            n_prims: subject.size.total(),
+            accel: best.kind.name().into(),
+        };
         match save_choice(choice) {
             Ok(path) => println!("{device}: {} is the fastest; kept in {}", best.kind.name(), path.display()),
             Err(e) => {

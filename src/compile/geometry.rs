@@ -189,6 +189,27 @@ pub struct ObjectRecord {
     pub motion: Option<Motion>,
 }
 
+/// How much there is to intersect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GeometrySize {
+    /// Faces of meshes, each mesh once.
+    pub faces: usize,
+    /// Primitives that are no meshes.
+    pub others: usize,
+}
+
+impl GeometrySize {
+    /// Mostly faces of meshes.
+    pub fn is_triangles(self) -> bool {
+        self.faces > self.others
+    }
+
+    /// Faces and primitives.
+    pub fn total(self) -> u64 {
+        (self.faces + self.others) as u64
+    }
+}
+
 /// All geometry of a scene.
 #[derive(Debug, Default)]
 pub struct Geometry {
@@ -222,4 +243,13 @@ pub struct Geometry {
     pub bounded: Vec<u32>,
     /// Tree over `bounded` (its primitive k is `bounded[k]`).
     pub tree: Accel,
+}
+
+impl Geometry {
+    /// Faces and primitives.
+    pub fn size(&self) -> GeometrySize {
+        let is_mesh = |p: &&Prim| matches!(p.kind, PrimKind::Mesh | PrimKind::BicubicPatch);
+        let faces = self.shapes.meshes.iter().map(|m| m.mesh.faces.len()).sum();
+        GeometrySize { faces, others: self.prims.iter().filter(|p| !is_mesh(p)).count() }
+    }
 }

@@ -44,7 +44,7 @@ impl Antialias {
         &self,
         block: Block,
         trace: &mut impl FnMut(f64, f64) -> Option<Sample>,
-        go_on: &impl Fn() -> bool,
+        go_on: &dyn Fn() -> bool,
         out: &mut [Sample],
     ) -> u32 {
         if self.method == 2 { self.corners(block, trace, go_on, out) } else { self.neighbours(block, trace, go_on, out) }
@@ -55,7 +55,7 @@ impl Antialias {
         &self,
         [x0, y0, x1, y1]: Block,
         trace: &mut impl FnMut(f64, f64) -> Option<Sample>,
-        go_on: &impl Fn() -> bool,
+        go_on: &dyn Fn() -> bool,
         out: &mut [Sample],
     ) -> u32 {
         let w = (x1 - x0) as usize;
@@ -127,7 +127,7 @@ impl Antialias {
         &self,
         [x0, y0, x1, y1]: Block,
         trace: &mut impl FnMut(f64, f64) -> Option<Sample>,
-        go_on: &impl Fn() -> bool,
+        go_on: &dyn Fn() -> bool,
         out: &mut [Sample],
     ) -> u32 {
         let (w, h) = ((x1 - x0) as usize, (y1 - y0) as usize);

@@ -1,12 +1,53 @@
 //! POV-Ray's random sources, number for number: the Mersenne Twister table, the hash table of noise, the grain generator,
-//! Halton points and the pixel jitter. Source: spec/light.md, sections 0, 11 and 12.
+//! Halton points and the pixel jitter. Source: spec/light.md, sections 0, 11 and 12. Beside them a small stream of our own for
+//! measurements and tests.
 //!
 //! Streams here are tied to an order of calls; counter-based random numbers for path tracing stand elsewhere.
 
+use super::DVec3;
 use std::sync::LazyLock;
 
 /// Entries of the table of uniform numbers.
 pub const UNIFORM_TABLE_LEN: usize = 32_768;
+
+/// A small stream for measurements and tests, good from any seed.
+///
+/// Source: Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
+#[derive(Clone, Debug)]
+pub struct SplitMix64(pub u64);
+
+impl SplitMix64 {
+    /// 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// In 0..1.
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// In `0..n`.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n as u64) as usize
+    }
+
+    /// In -1..1 on every axis.
+    pub fn cube(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+    }
+
+    /// A unit vector, all directions alike.
+    pub fn direction(&mut self) -> DVec3 {
+        let (z, a) = (1.0 - 2.0 * self.unit(), std::f64::consts::TAU * self.unit());
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        DVec3::new(r * a.cos(), r * a.sin(), z)
+    }
+}
 
 /// The classic 32-bit Mersenne Twister.
 ///

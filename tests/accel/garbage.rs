@@ -1,9 +1,10 @@
 //! Geometry and rays that make no sense: no panic, no hang, a bounded tree, and what makes sense beside them is still hit.
 
-use crate::geometry::{Numbers, Triangles, soup};
+use crate::geometry::{Triangles, soup};
 use crate::oracle::{Faults, Oracle, build};
 use crate::rays::RaySource;
 use rayloom::accel::{Accel, AccelKind, AccelOptions, NO_PRIM, PrimSet};
+use rayloom::math::random::SplitMix64;
 use rayloom::math::{Bounds, DVec3, Ray, Vec3};
 use std::time::Instant;
 
@@ -83,8 +84,8 @@ impl PrimSet for Boxes {
     }
 }
 
-fn boxes(n: usize, at: impl Fn(usize, &mut Numbers) -> Bounds) -> Boxes {
-    let mut r = Numbers(31);
+fn boxes(n: usize, at: impl Fn(usize, &mut SplitMix64) -> Bounds) -> Boxes {
+    let mut r = SplitMix64(31);
     Boxes((0..n).map(|k| at(k, &mut r)).collect())
 }
 

@@ -1,40 +1,8 @@
 //! Generated meshes, the same every time.
 
+use rayloom::math::random::SplitMix64;
 use rayloom::math::{DVec3, Vec3};
 use std::collections::HashMap;
-
-/// A stream of numbers in 0..1 (splitmix64).
-pub struct Numbers(pub u64);
-
-impl Numbers {
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
-
-    /// In -1..1 on every axis.
-    pub fn cube(&mut self) -> DVec3 {
-        DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-
-    /// A unit vector, all directions alike.
-    pub fn direction(&mut self) -> DVec3 {
-        let (z, a) = (1.0 - 2.0 * self.unit(), std::f64::consts::TAU * self.unit());
-        let r = (1.0 - z * z).max(0.0).sqrt();
-        DVec3::new(r * a.cos(), r * a.sin(), z)
-    }
-}
 
 /// Triangles over shared vertices.
 #[derive(Clone, Default)]
@@ -78,7 +46,7 @@ impl Triangles {
 }
 
 pub fn soup(n: usize, size: f64, seed: u64) -> Triangles {
-    let (mut r, mut t) = (Numbers(seed), Triangles::default());
+    let (mut r, mut t) = (SplitMix64(seed), Triangles::default());
     for _ in 0..n {
         let (center, size) = (r.cube(), size * r.unit());
         t.add([center + size * r.cube(), center + size * r.cube(), center + size * r.cube()]);
@@ -167,7 +135,7 @@ pub fn flat(n: u32) -> Triangles {
 
 /// 1 to 10 long, 1e-6 to 1e-3 thick.
 pub fn needles(n: usize) -> Triangles {
-    let (mut r, mut t) = (Numbers(11), Triangles::default());
+    let (mut r, mut t) = (SplitMix64(11), Triangles::default());
     for k in 0..n {
         let (from, along) = (r.cube() * 2.0, r.direction() * (1.0 + 9.0 * r.unit()));
         // Some run along an axis exactly.

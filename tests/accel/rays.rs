@@ -1,7 +1,8 @@
 //! Rays that find faults: random ones, and those along axes, in planes, through vertices and edges, from the tree's own planes.
 
-use crate::geometry::{Numbers, Triangles};
+use crate::geometry::Triangles;
 use rayloom::accel::{Accel, AccelKind, AccelOptions, TrianglePrims};
+use rayloom::math::random::SplitMix64;
 use rayloom::math::{Bounds, DVec3, Ray};
 
 /// Endless rays of ten kinds in turn, around triangles and planes.
@@ -10,7 +11,7 @@ pub struct RaySource<'a> {
     bounds: Bounds,
     /// `(axis, place)` of planes of a kd-tree over the mesh.
     planes: Vec<(usize, f64)>,
-    numbers: Numbers,
+    numbers: SplitMix64,
     count: usize,
 }
 
@@ -22,7 +23,7 @@ impl<'a> RaySource<'a> {
             _ => Vec::new(),
         };
         let bounds = Bounds::from_points(mesh.vertices.iter().map(|v| v.as_dvec3()));
-        Self { mesh, bounds, planes, numbers: Numbers(seed), count: 0 }
+        Self { mesh, bounds, planes, numbers: SplitMix64(seed), count: 0 }
     }
 
     /// In the box, somewhat grown.

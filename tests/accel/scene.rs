@@ -1,12 +1,13 @@
 //! Primitives of many kinds in a compiled scene: hits and shadows do not depend on the tree.
 
 use crate::TREES;
-use crate::geometry::{Numbers, Triangles};
+use crate::geometry::Triangles;
 use crate::rays::RaySource;
 use rayloom::accel::AccelKind;
 use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
 use rayloom::diag::Sink;
 use rayloom::kernel::traverse::{MIN_DEPTH, ShadowHit, intersect, intersect_shadow};
+use rayloom::math::random::SplitMix64;
 use rayloom::math::{Bounds, DVec3, Transform};
 use rayloom::scene::{Csg, Mesh, Object, Scene, Shape};
 use std::sync::Arc;
@@ -14,7 +15,7 @@ use std::sync::Arc;
 const N_RAYS: usize = 1_000_000;
 
 fn objects() -> Vec<Object> {
-    let mut r = Numbers(41);
+    let mut r = SplitMix64(41);
     let soup = crate::geometry::soup(30, 0.3, 43);
     let mesh = Arc::new(Mesh { vertices: soup.vertices, faces: soup.faces, ..Mesh::default() });
     (0..120)

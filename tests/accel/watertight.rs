@@ -1,11 +1,12 @@
 //! Closed meshes do not leak: every ray from inside meets a face, as the kernel tests them.
 
-use crate::geometry::{FAR_AWAY, Numbers, Triangles, ball, tetrahedron};
+use crate::geometry::{FAR_AWAY, Triangles, ball, tetrahedron};
 use rayloom::accel::AccelKind;
 use rayloom::compile::shape::MeshShape;
 use rayloom::kernel::intersect::mesh::intersect_mesh;
 use rayloom::kernel::intersect::{HitSink, LocalRay, Part};
 use rayloom::math::DVec3;
+use rayloom::math::random::SplitMix64;
 use rayloom::scene::Mesh;
 use std::sync::Arc;
 
@@ -34,7 +35,7 @@ fn is_hit(shape: &MeshShape, origin: DVec3, to: DVec3) -> bool {
 fn leaks(mesh: &Triangles, kind: AccelKind, middle: DVec3, near: f64) -> [usize; 3] {
     let shape = Mesh { vertices: mesh.vertices.clone(), faces: mesh.faces.clone(), ..Mesh::default() };
     let shape = MeshShape::new(Arc::new(shape), Vec::new(), kind).expect("faces with vertices");
-    let mut r = Numbers(37);
+    let mut r = SplitMix64(37);
     let mut lost = [0; 3];
     // The two that are the defaults get all rays, the others enough to see that they keep faces.
     let n_rays = if matches!(kind, AccelKind::Kd | AccelKind::Bvh) { N_RAYS } else { N_RAYS / 8 };

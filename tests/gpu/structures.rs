@@ -1,13 +1,14 @@
 //! Every structure on the device gives brute force's hits: degenerate rays among them. Trees broken on purpose do not.
 
 use crate::found;
-use crate::geometry::{Numbers, Triangles, ball, flat, needles, nested_boxes, soup, teapot_in_stadium, terrain, tetrahedron};
+use crate::geometry::{Triangles, ball, flat, needles, nested_boxes, soup, teapot_in_stadium, terrain, tetrahedron};
 use crate::rays::RaySource;
 use rayloom::accel::{Accel, AccelKind, STRUCTURES};
 use rayloom::backend::gpu::ray_bench::{BenchRay, RayBench};
 use rayloom::backend::gpu::{Gpu, GpuOptions};
 use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
 use rayloom::diag::Sink;
+use rayloom::math::random::SplitMix64;
 use rayloom::math::{Bounds, DVec3, Ray, Transform};
 use rayloom::scene::{Csg, Mesh, Object, Scene, Shape};
 use std::sync::Arc;
@@ -88,7 +89,7 @@ fn structures_give_brute_forces_hits_on_meshes() {
 
 /// Primitives of many kinds, on a lattice and off it.
 fn mixed() -> Vec<Object> {
-    let mut r = Numbers(41);
+    let mut r = SplitMix64(41);
     let part = soup(20, 0.3, 43);
     (0..60)
         .map(|k| {

@@ -3,7 +3,6 @@
 
 use crate::accel::AccelKind;
 use crate::compile::CompiledScene;
-use crate::compile::geometry::PrimKind;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -49,18 +48,10 @@ pub fn save_choice(choice: Choice) -> std::io::Result<PathBuf> {
     Ok(path)
 }
 
-/// Whether a scene is mostly faces of meshes, and how many faces and primitives it has.
-pub fn size_of_scene(scene: &CompiledScene) -> (bool, u64) {
-    let g = &scene.geometry;
-    let faces: usize = g.shapes.meshes.iter().map(|m| m.mesh.faces.len()).sum();
-    let others = g.prims.iter().filter(|p| !matches!(p.kind, PrimKind::Mesh | PrimKind::BicubicPatch)).count();
-    (faces > others, (faces + others) as u64)
-}
-
 /// The table's choice for the nearest size, else the shipped one.
 pub fn best_for(info: &wgpu::AdapterInfo, scene: &CompiledScene) -> AccelKind {
-    let (triangles, n_prims) = size_of_scene(scene);
-    choose(&load_table(), &info.name, triangles, n_prims).unwrap_or(shipped(info.device_type))
+    let size = scene.geometry.size();
+    choose(&load_table(), &info.name, size.is_triangles(), size.total()).unwrap_or(SHIPPED)
 }
 
 fn choose(table: &[Choice], device: &str, triangles: bool, n_prims: u64) -> Option<AccelKind> {
@@ -71,12 +62,7 @@ fn choose(table: &[Choice], device: &str, triangles: bool, n_prims: u64) -> Opti
 }
 
 /// Without a measurement. Source: benches/results/accel_h100.md.
-fn shipped(device: wgpu::DeviceType) -> AccelKind {
-    match device {
-        wgpu::DeviceType::Cpu => AccelKind::Bvh,
-        _ => AccelKind::Bvh,
-    }
-}
+const SHIPPED: AccelKind = AccelKind::Bvh;
 
 #[cfg(test)]
 mod tests {

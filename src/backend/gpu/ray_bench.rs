@@ -62,7 +62,7 @@ impl<'g> RayBench<'g> {
         let start = Instant::now();
         super::support::check_geometry(scene)?;
         let brute = matches!(kind, AccelKind::Brute | AccelKind::BruteTiled);
-        if brute && gpu.info.driver.contains("llvmpipe") && super::choice::size_of_scene(scene).1 > LLVMPIPE_TURNS {
+        if brute && gpu.info.driver.contains("llvmpipe") && scene.geometry.size().total() > LLVMPIPE_TURNS {
             return Err(BackendError::Unsupported("loops of more than 65,535 turns, which llvmpipe cuts short".into()));
         }
         let plan = ScenePlan::new(scene, 64, 64, false);
