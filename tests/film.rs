@@ -1,11 +1,13 @@
 //! Files of pictures: POV-Ray's own values in every format (`tests/measured/film.txt`, written by `film.py` there), and what
 //! happens to the old file when a new one cannot be written.
 
+use rayloom::film::cryptomatte::{attributes, name_bits};
 use rayloom::film::{
-    DitherMethod, Encoding, FileFormat, FileGamma, Film, FilmError, Metadata, check_writable, encode_picture, merge, read_exr,
-    write_picture,
+    DitherMethod, Encoding, FileFormat, FileGamma, Film, FilmError, Metadata, PixelSamples, check_writable, encode_picture, merge,
+    read_exr, write_picture,
 };
 use rayloom::scene::settings::WorkingGamma;
+use rayloom::scene::{Pass, PassSet};
 use std::path::{Path, PathBuf};
 
 const WIDTH: u32 = 8;
@@ -149,7 +151,12 @@ fn a_ramp_follows_the_exact_srgb_formula() {
 #[test]
 fn pngs_say_which_gamma_and_how_many_bits_they_hold() {
     let film = film_of(&[[0.5, 0.5, 0.5, 0.0]], 1, 1);
-    let metadata = Metadata { software: "rayloom".into(), scene: "naïve 木.pov".into(), entries: vec![("seed".into(), "7".into())] };
+    let metadata = Metadata {
+        software: "rayloom".into(),
+        scene: "naïve 木.pov".into(),
+        entries: vec![("seed".into(), "7".into())],
+        ..Metadata::default()
+    };
     let chunks = |encoding: &Encoding, bits: u8| {
         let bytes = encode_picture(&film, &FileFormat::Png { bits, grayscale: false }, encoding, &metadata).expect("encoded");
         let reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().expect("a PNG");
@@ -207,7 +214,7 @@ fn part(from: u32, to: u32, value: f32, samples: u32) -> Film {
 
 fn write_exr(path: &Path, film: &Film, range: &str, scene: &str) {
     let entries = [("samples", range), ("seed", "0"), ("camera.location", "1 2 3")].map(|(k, v)| (k.to_owned(), v.to_owned())).to_vec();
-    let metadata = Metadata { software: "rayloom".into(), scene: scene.into(), entries };
+    let metadata = Metadata { software: "rayloom".into(), scene: scene.into(), entries, ..Metadata::default() };
     write_picture(path, film, &FileFormat::Exr, &Encoding { alpha: true, ..Encoding::default() }, &metadata).expect("written");
 }
 
@@ -224,6 +231,50 @@ fn merge_weights_by_samples_and_keeps_crops_in_place() {
     assert_eq!(at(5, 3), ([5.0, 10.0, 4.0, 0.5], 1));
     assert_eq!(at(3, 0).1, 0, "in no part");
     assert!(whole.metadata.entries.contains(&("samples".into(), "0..4".into())));
+}
+
+#[test]
+fn passes_are_written_under_blenders_names_and_merge() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| dir.path().join(name);
+    let passes: PassSet = [Pass::Depth, Pass::DiffuseDirect, Pass::CryptoObject, Pass::Variance].into_iter().collect();
+    let part = |depth: f32, color: f32, light: f32, n: u32| {
+        let mut film = Film::with_passes(6, 4, passes);
+        let crypto = [f32::from_bits(name_bits("A")), 0.75, f32::from_bits(name_bits("B")), 0.25];
+        let layers: Vec<f32> =
+            [depth, light, light, light, color, color, color].into_iter().chain(crypto).chain([0.0; 8]).chain([1.0; 3]).collect();
+        film.join(7, PixelSamples { color: [light, light, light, 0.0], layers: &layers, n, earlier: false });
+        film
+    };
+    let manifest = attributes("ViewLayer.CryptoObject", ["A", "B"]);
+    let write = |name: &str, film: &Film, range: &str| {
+        let metadata = Metadata { entries: vec![("samples".into(), range.into())], attributes: manifest.clone(), ..Metadata::default() };
+        write_picture(&path(name), film, &FileFormat::Exr, &Encoding::default(), &metadata).expect("written");
+    };
+    let (a, b) = (part(3.0, 0.5, 0.2, 1), part(9.0, 0.3, 0.6, 3));
+    write("a.exr", &a, "0..1");
+    write("b.exr", &b, "1..4");
+    let raw = exr::prelude::read_first_flat_layer_from_file(path("a.exr")).expect("an EXR").layer_data;
+    let channel =
+        |name: &str| raw.channel_data.list.iter().find(|c| c.name.eq(name)).map(|c| c.sample_data.value_by_flat_index(0).to_f32());
+    assert_eq!(channel("ViewLayer.DiffDir.G"), Some(0.4), "divided by the colour");
+    assert_eq!(channel("ViewLayer.Combined.A"), Some(1.0));
+    assert_eq!(channel("ViewLayer.Depth.Z"), Some(3.0));
+    assert_eq!(channel("ViewLayer.CryptoObject00.r").map(f32::to_bits), Some(name_bits("A")));
+    let back = read_exr(&path("a.exr"), 1000).expect("read");
+    assert_eq!((back.film.layers, back.alpha, back.metadata.attributes), (a.layers, false, manifest.clone()));
+    // The later part first: values of the first sample are those of the earlier one all the same.
+    let whole = merge(&[path("b.exr"), path("a.exr")], 1000).expect("merged").film;
+    let at = |p: Pass| whole.layer(p).expect("it is there").at(7).to_vec();
+    assert_eq!(whole.samples[7], 4);
+    assert_eq!(at(Pass::Depth), [3.0]);
+    assert!((at(Pass::DiffuseDirect)[0] - 0.5).abs() < 1e-6 && (at(Pass::DiffuseColor)[0] - 0.35).abs() < 1e-6);
+    assert_eq!(at(Pass::CryptoObject)[..4], [f32::from_bits(name_bits("A")), 0.75, f32::from_bits(name_bits("B")), 0.25]);
+    // One sample of 0.2 and three of mean 0.6 and variance 1: (0 + 2 + 0.16 * 3 / 4) / 3.
+    assert!((at(Pass::Variance)[0] - 2.12 / 3.0).abs() < 1e-5, "{:?}", at(Pass::Variance));
+    write_exr(&path("plain.exr"), &Film { samples: vec![1; 24], ..Film::new(6, 4) }, "9..10", "");
+    let error = merge(&[path("a.exr"), path("plain.exr")], 1000).expect_err("refused").to_string();
+    assert!(error.contains("alpha") || error.contains("passes"), "{error}");
 }
 
 #[test]

@@ -4,13 +4,13 @@
 //! whose picture depends on the order of rays (`ScenePlan::needs_ordered_rays`) is rendered block after block on one core, with
 //! streams that run on: POV-Ray's own order with one thread. All others are rendered in parallel.
 
+use super::paths::render_paths;
 use super::unfinished::{add_samples, clear, unfinished_blocks};
 use super::{Backend, BackendError, Progress};
 use crate::compile::CompiledScene;
 use crate::film::Film;
 use crate::integrate::antialias::{Block, Sample};
 use crate::integrate::classic::{RadiosityState, ScenePlan, Tracer};
-use crate::integrate::path::{PathPlan, PathTracer};
 use crate::integrate::samples::sample_position;
 use crate::integrate::{IntegratorKind, RenderSettings};
 use rayon::prelude::*;
@@ -47,7 +47,8 @@ impl Backend for CpuBackend {
         cancel: &AtomicBool,
     ) -> Result<(), BackendError> {
         if settings.integrator == IntegratorKind::Path {
-            return render_paths(scene, settings, settings.threads.clamp(1, self.threads), film, progress, cancel);
+            let pool = pool_of(settings.threads.clamp(1, self.threads))?;
+            return render_paths(scene, settings, &pool, film, progress, cancel);
         }
         let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
         let ordered = ScenePlan::needs_ordered_rays(scene);
@@ -79,31 +80,6 @@ impl Backend for CpuBackend {
         });
         Ok(())
     }
-}
-
-/// The path integrator: blocks of pixels, every sample by itself.
-fn render_paths(
-    scene: &CompiledScene,
-    settings: &RenderSettings,
-    threads: usize,
-    film: &mut Film,
-    progress: &dyn Progress,
-    cancel: &AtomicBool,
-) -> Result<(), BackendError> {
-    let pool = pool_of(threads)?;
-    let plan = pool.install(|| PathPlan::new(scene, settings.width, settings.height, settings.seed, settings.output_alpha));
-    let (all, n_finished) = unfinished_blocks(film, settings);
-    let done = AtomicU64::new(n_finished);
-    let job = Job { settings, progress, cancel, done, film: Mutex::new(film) };
-    pool.install(|| {
-        all.par_iter().with_max_len(1).for_each(|block| {
-            let mut tracer = PathTracer::new(&plan);
-            job.block(*block, settings.samples.len() as u32, |go_on, pixels| {
-                rows_of(*block, go_on, pixels, |x, y| mean_of(settings, |k| tracer.sample(x, y, k)))
-            });
-        });
-    });
-    Ok(())
 }
 
 fn pool_of(threads: usize) -> Result<rayon::ThreadPool, BackendError> {

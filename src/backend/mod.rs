@@ -3,6 +3,7 @@
 pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod paths;
 mod unfinished;
 
 pub use unfinished::unfinished_blocks;

@@ -1,6 +1,6 @@
 //! What of a picture is still to be rendered, and how samples get into it: the same for every machine.
 
-use crate::film::Film;
+use crate::film::{Film, PixelSamples};
 use crate::integrate::RenderSettings;
 use crate::integrate::antialias::{Block, Sample, blocks};
 
@@ -25,17 +25,11 @@ pub fn unfinished_blocks(film: &mut Film, settings: &RenderSettings) -> (Vec<Blo
 /// Takes all samples out of a block.
 pub(super) fn clear(film: &mut Film, [x0, y0, x1, y1]: Block) {
     for y in y0..y1 {
-        let row = film.index(x0, y)..film.index(x1 - 1, y) + 1;
-        film.samples[row.clone()].fill(0);
-        film.pixels[row].fill([0.0; 4]);
+        film.clear(film.index(x0, y)..film.index(x1 - 1, y) + 1);
     }
 }
 
-/// Joins the mean of `n_new` samples to those that a pixel has.
-pub(super) fn add_samples(film: &mut Film, at: usize, new: Sample, n_new: u32) {
-    let n_old = film.samples[at];
-    let (a, b) = (n_old as f32, n_new as f32);
-    let old = film.pixels[at];
-    film.pixels[at] = if n_old == 0 { new } else { std::array::from_fn(|k| (old[k] * a + new[k] * b) / (a + b)) };
-    film.samples[at] = n_old + n_new;
+/// Joins the mean of `n` samples to those that a pixel of a film without passes has.
+pub(super) fn add_samples(film: &mut Film, at: usize, color: Sample, n: u32) {
+    film.join(at, PixelSamples { color, layers: &[], n, earlier: false });
 }

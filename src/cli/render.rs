@@ -7,10 +7,12 @@ use clap::{Args, ValueEnum};
 use rayloom::accel::AccelKind;
 use rayloom::diag::{Diagnostic, SourceMap, Style, render};
 use rayloom::film::{FileFormat, FileGamma};
-use rayloom::integrate::{Antialias, IntegratorKind};
+use rayloom::integrate::{Antialias, IntegratorKind, NoiseLimit};
 use rayloom::job::{Job, JobError, Listener, Outcome, SceneFormat, Stage, Target, include_folders, job_for_frame};
 use rayloom::lang::Stream;
 use rayloom::lang::options::{Environment, PovOptions, frames};
+use rayloom::scene::pass::LEFT_OUT;
+use rayloom::scene::{Pass, PassSet};
 use rayloom::world::DiskWorld;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -42,6 +44,18 @@ pub struct RenderArgs {
     /// Render samples A to B-1 of each pixel; ranges rendered apart are joined by `rayloom merge`
     #[arg(long, value_name = "A..B", value_parser = parse_range, conflicts_with = "spp")]
     samples: Option<(u32, u32)>,
+    /// Passes to write besides the colours, with commas between, as layers of an .exr: depth, position, normal, uv, objectId, materialId,
+    /// albedo, diffuse|glossy|transmission + Direct|Indirect|Color, volumeDirect, volumeIndirect, emission, environment, cryptoObject,
+    /// cryptoMaterial, cryptoAsset, sampleCount, variance; or all, or none [default: what the scene asks for]
+    #[arg(long, value_name = "NAMES", value_parser = parse_passes)]
+    passes: Option<PassSet>,
+    /// Noise that pixels may keep with the path integrator: those below it get no more samples; 0 for all samples everywhere
+    /// [default: what the scene asks for]
+    #[arg(long, value_name = "T", value_parser = parse_threshold)]
+    noise_threshold: Option<f32>,
+    /// Fewest samples of a pixel with a noise threshold [default: by the threshold, 64 at 0.01]
+    #[arg(long, value_name = "N", requires = "noise_threshold", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    min_spp: Option<u32>,
     /// POV-Ray's antialiasing of scenes: off, or a threshold from 0 to 1
     #[arg(long, value_name = "T", default_value = "0.3", value_parser = parse_antialias)]
     antialias: AntialiasArg,
@@ -143,6 +157,27 @@ fn parse_antialias(text: &str) -> Result<AntialiasArg, String> {
         Ok(t) if (0.0..=1.0).contains(&t) => Ok(AntialiasArg::Threshold(t)),
         _ => Err("write off, or a threshold from 0 to 1".into()),
     }
+}
+
+fn parse_passes(text: &str) -> Result<PassSet, String> {
+    let mut set = PassSet::NONE;
+    for name in text.split(',').map(str::trim) {
+        match (name, Pass::named(name)) {
+            ("none", _) => {}
+            ("all", _) => set = PassSet::all(),
+            (_, Some(pass)) => set = set.with(pass),
+            _ if LEFT_OUT.contains(&name) => return Err(format!("the pass '{name}' is not rendered yet")),
+            _ => {
+                let names: Vec<&str> = Pass::all().map(Pass::name).collect();
+                return Err(format!("there is no pass '{name}'; there are {}", names.join(", ")));
+            }
+        }
+    }
+    Ok(set)
+}
+
+fn parse_threshold(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|t: &f32| (0.0..=1e6).contains(t)).ok_or_else(|| "write a number from 0 on, as in 0.01".into())
 }
 
 /// Runs it.
@@ -310,6 +345,9 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
         r.antialias = None::<Antialias>;
     }
     job.compile.skip = !args.no_skip;
+    job.passes = args.passes;
+    let limit = |threshold| (threshold > 0.0).then_some(NoiseLimit { threshold, min_samples: args.min_spp.unwrap_or(0) });
+    job.noise = args.noise_threshold.map(limit);
     Ok(job)
 }
 

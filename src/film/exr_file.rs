@@ -1,7 +1,8 @@
 //! OpenEXR: 32-bit floats of linear light, premultiplied, with the samples of each pixel in a channel of their own, so that
 //! parts can be merged. The data window is the part that was rendered, the display window the picture.
+//! Films with passes become Blender's kind of multilayer file (`exr_layers`).
 
-use super::{Encoding, Film, FilmError, Metadata};
+use super::{Encoding, Film, FilmError, Metadata, exr_layers};
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Compression, FlatSamples, Image, IntegerBounds, Layer, LayerAttributes, Text, Vec2,
     WritableImage, read_first_flat_layer_from_file,
@@ -12,6 +13,10 @@ use std::path::Path;
 const SAMPLES: &str = "samples";
 /// Before the names of our attributes, so that none is taken for one of the standard's.
 const PREFIX: &str = "rayloom:";
+/// By this attribute Blender knows a multilayer file.
+const MULTILAYER: (&str, &str) = ("BlenderMultiChannel", "Blender V2.55.1 and newer");
+/// Before the names of Cryptomatte's attributes.
+const CRYPTOMATTE: &str = "cryptomatte/";
 
 /// A picture read from an EXR file.
 #[derive(Clone, Debug)]
@@ -38,16 +43,23 @@ fn window(film: &Film) -> [usize; 4] {
 /// The bytes of an EXR file.
 pub(super) fn encode(film: &Film, encoding: &Encoding, metadata: &Metadata) -> Result<Vec<u8>, FilmError> {
     let [x0, y0, x1, y1] = window(film);
-    let indices = || (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * film.width as usize + x));
-    let plane = |value: &dyn Fn(&[f32; 4]) -> f32| FlatSamples::F32(indices().map(|i| value(&film.pixels[i])).collect());
-    let mut channels = vec![
-        AnyChannel::new("R", plane(&|p| encoding.linear(p[0]))),
-        AnyChannel::new("G", plane(&|p| encoding.linear(p[1]))),
-        AnyChannel::new("B", plane(&|p| encoding.linear(p[2]))),
-        AnyChannel::new(SAMPLES, FlatSamples::U32(indices().map(|i| film.samples[i]).collect())),
-    ];
+    let indices: Vec<usize> = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * film.width as usize + x)).collect();
+    let plane = |value: &dyn Fn(&[f32; 4]) -> f32| FlatSamples::F32(indices.iter().map(|i| value(&film.pixels[*i])).collect());
+    let is_multilayer = !film.layers.is_empty();
+    let named = |c: &str| if is_multilayer { exr_layers::color_channel(c) } else { c.to_owned() };
+    let color = |k: usize, c: &str| AnyChannel::new(named(c).as_str(), plane(&|p| encoding.linear(p[k])));
+    let mut channels = vec![color(0, "R"), color(1, "G"), color(2, "B")];
+    if is_multilayer {
+        let counts = FlatSamples::F32(indices.iter().map(|i| film.samples[*i] as f32).collect());
+        channels.push(AnyChannel::new(exr_layers::count_channel().as_str(), counts));
+        channels.append(&mut exr_layers::encode(film, &indices));
+    } else {
+        channels.push(AnyChannel::new(SAMPLES, FlatSamples::U32(indices.iter().map(|i| film.samples[*i]).collect())));
+    }
     if encoding.alpha {
-        channels.push(AnyChannel::new("A", plane(&|p| (1.0 - p[3]).clamp(0.0, 1.0))));
+        channels.push(AnyChannel::new(named("A").as_str(), plane(&|p| (1.0 - p[3]).clamp(0.0, 1.0))));
+    } else if is_multilayer {
+        channels.push(AnyChannel::new(named("A").as_str(), plane(&|_| 1.0)));
     }
     let mut layer = Layer::new(
         (x1 - x0, y1 - y0),
@@ -57,6 +69,13 @@ pub(super) fn encode(film: &Film, encoding: &Encoding, metadata: &Metadata) -> R
     );
     layer.attributes.software_name = Some(text(&metadata.software));
     layer.attributes.other.insert(text(&format!("{PREFIX}scene")), AttributeValue::Text(text(&metadata.scene)));
+    if is_multilayer {
+        layer.attributes.other.insert(text(MULTILAYER.0), AttributeValue::Text(text(MULTILAYER.1)));
+        layer.attributes.other.insert(text(&format!("{PREFIX}alpha")), AttributeValue::Text(text(if encoding.alpha { "1" } else { "0" })));
+    }
+    for (name, value) in &metadata.attributes {
+        layer.attributes.other.insert(text(name), AttributeValue::Text(text(value)));
+    }
     for (name, value) in &metadata.entries {
         layer.attributes.other.insert(text(&format!("{PREFIX}{name}")), AttributeValue::Text(text(value)));
     }
@@ -95,24 +114,31 @@ pub fn read_exr(path: &Path, max_pixels: u64) -> Result<Part, FilmError> {
     let picture = read_first_flat_layer_from_file(path).map_err(|e| foreign(e.to_string()))?;
     let layer = picture.layer_data;
     let channel = |name: &str| layer.channel_data.list.iter().find(|c| c.name.eq_case_insensitive(name)).map(|c| &c.sample_data);
+    let is_multilayer = channel(&exr_layers::color_channel("R")).is_some();
+    let color = |c: &str| if is_multilayer { channel(&exr_layers::color_channel(c)) } else { channel(c) };
     let grey = channel("Y");
-    let (Some(r), Some(g), Some(b)) = (channel("R").or(grey), channel("G").or(grey), channel("B").or(grey)) else {
+    let (Some(r), Some(g), Some(b)) = (color("R").or(grey), color("G").or(grey), color("B").or(grey)) else {
         return Err(foreign("the file has no channels R, G and B".into()));
     };
-    let (a, n) = (channel("A"), channel(SAMPLES));
+    let n = if is_multilayer { channel(&exr_layers::count_channel()) } else { channel(SAMPLES) };
     let mut film = Film::new(width as u32, height as u32);
     let offset = layer.attributes.layer_position - display.position;
-    for y in 0..layer.size.1 {
-        for x in 0..layer.size.0 {
-            let (px, py) = (offset.0 as i64 + x as i64, offset.1 as i64 + y as i64);
-            if px < 0 || py < 0 || px >= width as i64 || py >= height as i64 {
-                continue;
-            }
-            let (from, to) = (y * layer.size.0 + x, film.index(px as u32, py as u32));
-            let value = |s: &FlatSamples| s.value_by_flat_index(from).to_f32();
-            film.pixels[to] = [value(r), value(g), value(b), a.map_or(0.0, |a| 1.0 - value(a))];
-            film.samples[to] = n.map_or(1, |n| n.value_by_flat_index(from).to_u32());
-        }
+    // Where each pixel of the data window lies in the picture, if it does.
+    let place = |k: usize| {
+        let (px, py) = (offset.0 as i64 + (k % layer.size.0) as i64, offset.1 as i64 + (k / layer.size.0) as i64);
+        ((0..width as i64).contains(&px) && (0..height as i64).contains(&py)).then(|| py as usize * width + px as usize)
+    };
+    let places: Vec<Option<usize>> = (0..layer.size.area()).map(place).collect();
+    let attributes = &layer.attributes.other;
+    let says_opaque = attributes.iter().any(|(k, v)| k.to_string() == format!("{PREFIX}alpha") && *v == AttributeValue::Text(text("0")));
+    let a = color("A").filter(|_| !says_opaque);
+    for (from, to) in places.iter().enumerate().filter_map(|(from, to)| Some((from, (*to)?))) {
+        let value = |s: &FlatSamples| s.value_by_flat_index(from).to_f32();
+        film.pixels[to] = [value(r), value(g), value(b), a.map_or(0.0, |a| 1.0 - value(a))];
+        film.samples[to] = n.map_or(1, |n| n.value_by_flat_index(from).to_u32());
+    }
+    if is_multilayer {
+        exr_layers::decode(&mut film, &places, channel);
     }
     let mut metadata =
         Metadata { software: layer.attributes.software_name.map_or_else(String::new, |t| t.to_string()), ..Metadata::default() };
@@ -129,6 +155,13 @@ pub fn read_exr(path: &Path, max_pixels: u64) -> Result<Part, FilmError> {
     if let Some(i) = entries.iter().position(|(name, _)| name == "scene") {
         metadata.scene = entries.remove(i).1;
     }
+    entries.retain(|(name, _)| name != "alpha");
     metadata.entries = entries;
+    let manifest = |(name, value): (&Text, &AttributeValue)| match value {
+        AttributeValue::Text(t) if name.to_string().starts_with(CRYPTOMATTE) => Some((name.to_string(), t.to_string())),
+        _ => None,
+    };
+    metadata.attributes = attributes.iter().filter_map(manifest).collect();
+    metadata.attributes.sort();
     Ok(Part { alpha: a.is_some(), film, metadata })
 }

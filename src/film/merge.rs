@@ -1,7 +1,8 @@
 //! Parts of one picture, rendered apart (crops, ranges of samples), into the whole: the mean of each pixel's samples.
 
 use super::exr_file::{Part, read_exr};
-use super::{Film, FilmError, Metadata};
+use super::{Film, FilmError, Metadata, PixelSamples};
+use crate::scene::PassSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -13,7 +14,7 @@ const SAMPLES: &str = "samples";
 /// Reads the parts and merges them.
 ///
 /// # Errors
-/// Parts of other sizes, scenes, cameras or integrators, a pixel whose same samples are in two parts, files that are unreadable
+/// Parts of other sizes, scenes, cameras, integrators or passes, a pixel whose same samples are in two parts, files that are unreadable
 /// or larger than `max_pixels`.
 pub fn merge(paths: &[PathBuf], max_pixels: u64) -> Result<Part, FilmError> {
     let mut whole: Option<Whole> = None;
@@ -37,6 +38,10 @@ struct Whole {
     /// Sums of samples.
     sums: Vec<[f64; 4]>,
     samples: Vec<u64>,
+    /// Joins the passes; its colours are rounded and not used.
+    layers: Film,
+    /// First sample of what stands in each pixel of `layers`.
+    first: Vec<u64>,
     alpha: bool,
     metadata: Metadata,
     /// What each part brought: range of samples, seed, which pixels.
@@ -51,6 +56,8 @@ impl Whole {
             height: part.film.height,
             sums: vec![[0.0; 4]; n],
             samples: vec![0; n],
+            layers: Film::with_passes(part.film.width, part.film.height, passes_of(&part.film)),
+            first: vec![u64::MAX; n],
             alpha: part.alpha,
             metadata: part.metadata.clone(),
             parts: Vec::new(),
@@ -67,6 +74,12 @@ impl Whole {
         }
         if part.alpha != self.alpha {
             return Err("some parts have alpha, others have none".into());
+        }
+        if passes_of(&part.film) != passes_of(&self.layers) {
+            return Err(format!("this part has the passes {:?}, those before it {:?}", passes_of(&part.film), passes_of(&self.layers)));
+        }
+        if part.metadata.attributes != self.metadata.attributes {
+            return Err("this part's Cryptomatte manifest names other things than that of those before it".into());
         }
         if part.metadata.scene != self.metadata.scene {
             return Err(format!("this part shows {:?}, those before it {:?}", part.metadata.scene, self.metadata.scene));
@@ -87,9 +100,13 @@ impl Whole {
         let entry = |name: &str| part.metadata.entries.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
         let range = entry(SAMPLES).and_then(|v| parse_range(&v));
         let covered = part.film.samples.iter().map(|n| *n > 0).collect();
+        let start = range.as_ref().map_or(0, |r| r.start);
         self.parts.push((range, entry("seed").unwrap_or_default(), covered));
         for (i, (pixel, n)) in part.film.pixels.iter().zip(&part.film.samples).enumerate() {
             if *n > 0 {
+                let earlier = start < self.first[i];
+                self.first[i] = self.first[i].min(start);
+                self.layers.join(i, PixelSamples { color: *pixel, layers: &part.film.layers_at(i), n: *n, earlier });
                 self.samples[i] += u64::from(*n);
                 for c in 0..4 {
                     self.sums[i][c] += f64::from(pixel[c]) * f64::from(*n);
@@ -113,7 +130,7 @@ impl Whole {
     }
 
     fn finish(self) -> Part {
-        let mut film = Film::new(self.width, self.height);
+        let mut film = Film { layers: self.layers.layers, ..Film::new(self.width, self.height) };
         for (i, n) in self.samples.iter().enumerate() {
             film.samples[i] = u32::try_from(*n).unwrap_or(u32::MAX);
             if *n > 0 {
@@ -132,6 +149,10 @@ impl Whole {
         }
         Part { film, alpha: self.alpha, metadata }
     }
+}
+
+fn passes_of(film: &Film) -> PassSet {
+    film.layers.iter().map(|l| l.pass).collect()
 }
 
 fn parse_range(text: &str) -> Option<Range<u64>> {

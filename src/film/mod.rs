@@ -1,11 +1,14 @@
 //! Pixels on their way out: gamma, files of every format, the state of an unfinished picture. Knows nothing of scenes or rays.
 
+pub mod cryptomatte;
 mod dither;
 mod encoding;
 mod error;
 mod exr_file;
+pub mod exr_layers;
 mod format;
 mod hdr_file;
+mod layer;
 mod merge;
 mod png_file;
 mod simple_files;
@@ -17,6 +20,7 @@ pub use encoding::{Encoding, FileGamma, linear_from_srgb, srgb_from_linear};
 pub use error::FilmError;
 pub use exr_file::{Part, read_exr};
 pub use format::FileFormat;
+pub use layer::{Layer, PixelSamples, add_share, write_ranks};
 pub use merge::merge;
 pub use write::{Metadata, check_writable, encode_picture, write_picture};
 
@@ -31,13 +35,15 @@ pub struct Film {
     pub pixels: Vec<[f32; 4]>,
     /// Samples in each pixel's mean; 0 for a pixel not rendered yet.
     pub samples: Vec<u32>,
+    /// Passes besides the colours, in their order.
+    pub layers: Vec<Layer>,
 }
 
 impl Film {
     /// A black film with no samples.
     pub fn new(width: u32, height: u32) -> Self {
         let n = width as usize * height as usize;
-        Self { width, height, pixels: vec![[0.0; 4]; n], samples: vec![0; n] }
+        Self { width, height, pixels: vec![[0.0; 4]; n], samples: vec![0; n], layers: Vec::new() }
     }
 
     /// Place of a pixel in the arrays.

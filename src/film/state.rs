@@ -1,13 +1,14 @@
 //! The finished pixels of an unfinished picture, so that another run can go on from them.
 //!
 //! A file is `MAGIC`, the fingerprint (length and bytes), width and height, runs of finished pixels (first, count, then samples and
-//! four floats of each), and a checksum over all of it; numbers are little-endian.
+//! four floats of each, then the values of its passes), and a checksum over all of it; numbers are little-endian.
 
 use super::write::replace_file;
 use super::{Film, FilmError};
+use crate::scene::{Pass, PassSet};
 use std::path::{Path, PathBuf};
 
-const MAGIC: &[u8; 16] = b"rayloom state 1\n";
+const MAGIC: &[u8; 16] = b"rayloom state 2\n";
 /// Bytes of a pixel.
 const PIXEL: usize = 20;
 
@@ -23,6 +24,8 @@ pub fn save(path: &Path, film: &Film, fingerprint: &str) -> Result<(), FilmError
     out.extend(fingerprint.bytes());
     out.extend(film.width.to_le_bytes());
     out.extend(film.height.to_le_bytes());
+    out.extend((film.layers.len() as u32).to_le_bytes());
+    out.extend(film.layers.iter().flat_map(|l| (l.pass as u32).to_le_bytes()));
     let mut first = 0;
     while first < film.samples.len() {
         let finished = film.samples[first] > 0;
@@ -33,6 +36,7 @@ pub fn save(path: &Path, film: &Film, fingerprint: &str) -> Result<(), FilmError
             for i in first..first + len {
                 out.extend(film.samples[i].to_le_bytes());
                 out.extend(film.pixels[i].iter().flat_map(|v| v.to_le_bytes()));
+                out.extend(film.layers.iter().flat_map(|l| l.at(i)).flat_map(|v| v.to_le_bytes()));
             }
         }
         first += len;
@@ -68,7 +72,13 @@ fn decode(bytes: &[u8], fingerprint: &str) -> Result<Film, &'static str> {
         return Err("the saved state belongs to another scene or other settings; delete it to render from the start");
     }
     let (width, height) = (take(4).map(word).ok_or(CUT)? as u32, take(4).map(word).ok_or(CUT)? as u32);
-    let mut film = Film::new(width, height);
+    let n_layers = take(4).map(word).ok_or(CUT)?;
+    let mut passes = PassSet::NONE;
+    for _ in 0..n_layers {
+        let ix = take(4).map(word).ok_or(CUT)?;
+        passes = passes.with(Pass::all().find(|p| *p as u64 == ix).ok_or(CUT)?);
+    }
+    let mut film = Film::with_passes(width, height, passes);
     while let Some(first) = take(8).map(word) {
         let n = take(8).map(word).ok_or(CUT)?;
         let range = first as usize..first.checked_add(n).ok_or(CUT)? as usize;
@@ -79,6 +89,11 @@ fn decode(bytes: &[u8], fingerprint: &str) -> Result<Film, &'static str> {
             let pixel = take(PIXEL).ok_or(CUT)?;
             film.samples[i] = word(&pixel[..4]) as u32;
             film.pixels[i] = std::array::from_fn(|c| f32::from_bits(word(&pixel[4 + 4 * c..8 + 4 * c]) as u32));
+            for l in &mut film.layers {
+                let w = l.pass.width();
+                let bytes = take(4 * w).ok_or(CUT)?;
+                l.values[i * w..(i + 1) * w].iter_mut().zip(bytes.chunks(4)).for_each(|(v, b)| *v = f32::from_bits(word(b) as u32));
+            }
         }
     }
     Ok(film)
@@ -97,10 +112,12 @@ mod tests {
     use super::*;
 
     fn film() -> Film {
-        let mut film = Film::new(5, 3);
+        let mut film = Film::with_passes(5, 3, [Pass::Depth, Pass::CryptoObject].into_iter().collect());
         for i in [0, 1, 4, 5, 6, 14] {
             film.samples[i] = i as u32 + 1;
             film.pixels[i] = [i as f32, -0.5, f32::MAX, 1.0];
+            film.layers[0].values[i] = 3.5;
+            film.layers[1].values[12 * i + 11] = i as f32;
         }
         film
     }

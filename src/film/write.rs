@@ -13,6 +13,8 @@ pub struct Metadata {
     pub scene: String,
     /// Name and value: camera, time, samples, settings. EXR attributes and PNG text.
     pub entries: Vec<(String, String)>,
+    /// The same with names of other programs' making: Cryptomatte's manifests. EXR alone holds them.
+    pub attributes: Vec<(String, String)>,
 }
 
 impl Metadata {

@@ -5,6 +5,8 @@ pub mod classic;
 pub mod path;
 pub mod samples;
 
+use crate::scene::PassSet;
+
 /// POV-Ray's antialiasing. Source: spec/light.md, section 12.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Antialias {
@@ -27,6 +29,15 @@ pub enum IntegratorKind {
     Classic,
     /// Unbiased path tracing.
     Path,
+}
+
+/// When the samples of a pixel are enough (path integrator).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseLimit {
+    /// Error that a pixel may keep: of the sum of its channels, over the root of that sum. Above 0.
+    pub threshold: f32,
+    /// Fewest samples; 0: by the threshold.
+    pub min_samples: u32,
 }
 
 /// What to render of a compiled scene, and how.
@@ -52,6 +63,10 @@ pub struct RenderSettings {
     pub output_alpha: bool,
     /// Side of the blocks that pixels are rendered in (POV-Ray's `+BS`, 32): decides antialiasing at block borders.
     pub block_size: u32,
+    /// Passes besides the colours (path); the film has a layer for each.
+    pub passes: PassSet,
+    /// Pixels below this noise get no more samples (path); none: all get all.
+    pub noise: Option<NoiseLimit>,
 }
 
 impl RenderSettings {
@@ -68,6 +83,8 @@ impl RenderSettings {
             seed: 0,
             output_alpha: false,
             block_size: 32,
+            passes: PassSet::NONE,
+            noise: None,
         }
     }
 }

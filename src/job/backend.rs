@@ -43,7 +43,15 @@ pub(super) fn render(
             sink.note_once(key, None, what);
         }
     }
-    if job.backend != BackendChoice::Cpu {
+    let cpu_only = match (job.render.passes.is_empty(), job.render.noise.is_some()) {
+        (false, _) => Some("passes"),
+        (true, true) => Some("adaptive sampling"),
+        (true, false) => None,
+    };
+    if let (Some(what), true) = (cpu_only, job.backend == BackendChoice::Gpu) {
+        sink.note_once("fallback", None, format!("rendered on the CPU: the GPU back end does not do {what} yet"));
+    }
+    if job.backend != BackendChoice::Cpu && cpu_only.is_none() {
         let result = gpu(job.backend).and_then(|machine| on(machine.as_ref(), film));
         match (result, job.backend) {
             (Ok(()), _) => return Ok(()),

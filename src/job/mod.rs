@@ -6,6 +6,7 @@ mod backend;
 mod load;
 mod pov;
 mod resume;
+mod settle;
 mod write;
 
 pub use backend::BackendChoice;
@@ -18,8 +19,9 @@ use crate::compile::{CompileError, CompileOptions};
 use crate::diag::{Diagnostic, Sink, SourceMap};
 use crate::film::FilmError;
 use crate::import::ImportError;
-use crate::integrate::RenderSettings;
+use crate::integrate::{NoiseLimit, RenderSettings};
 use crate::lang::Stream;
+use crate::scene::PassSet;
 use crate::world::WorldError;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -40,6 +42,10 @@ pub struct Job {
     pub backend: BackendChoice,
     /// Go on from what an interrupted run of the same job left beside the target.
     pub resume: bool,
+    /// Passes to render besides the colours; none said: those that the scene asks for. Path integrator and EXR only.
+    pub passes: Option<PassSet>,
+    /// The noise that pixels may keep; none said: what the scene asks for. Path integrator only.
+    pub noise: Option<Option<NoiseLimit>>,
 }
 
 /// Where a job is.
@@ -166,6 +172,7 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
         .memory
         .allows(pixels * PIXEL_COST)
         .map_err(|e| JobError::Options(format!("a picture of {} by {} pixels does not fit: {e}", job.render.width, job.render.height)))?;
+    settle::check(job)?;
     listener.stage(&Stage::Loading);
     let loaded = load::load(job, &mut map, &mut sink, listener);
     tell(&mut sink, &map, listener);
@@ -176,6 +183,7 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     let compiled = crate::compile::compile_scene(&scene, &job.compile, &mut sink);
     tell(&mut sink, &map, listener);
     let compiled = compiled?;
+    let job = &settle::settled(job, &scene, &mut sink);
     outcome.counts = [scene.objects.len(), compiled.geometry.prims.len(), compiled.lights.len()];
     drop(scene);
     lap(&mut outcome.seconds[1]);

@@ -9,6 +9,7 @@ use crate::integrate::{Antialias, IntegratorKind, RenderSettings};
 use crate::lang::LangOptions;
 use crate::lang::options::{Frame, GammaOption, OutputName, OutputType, PovOptions};
 use crate::memory::MemoryLimit;
+use crate::scene::PassSet;
 use std::path::{Path, PathBuf};
 
 /// Largest side and largest number of pixels of a picture.
@@ -80,6 +81,8 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
             seed: 0,
             output_alpha: o.output_alpha,
             block_size: o.block_size,
+            passes: PassSet::NONE,
+            noise: None,
         },
         compile: CompileOptions { quality: o.quality, skip: true, accel: accel_named(&o.accel), memory },
         backend: match o.backend.as_str() {
@@ -88,6 +91,8 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
             _ => BackendChoice::Auto,
         },
         resume: o.continue_trace,
+        passes: Some(PassSet::NONE),
+        noise: Some(None),
     })
 }
 

@@ -16,7 +16,7 @@ pub(super) fn state_path(job: &Job) -> Option<PathBuf> {
 pub(super) fn fingerprint(job: &Job, map: &SourceMap) -> String {
     let r = &job.render;
     let mut text = format!(
-        "{} {}x{} {:?} {:?} {:?} {:?} seed {} alpha {} blocks {} quality {} clock {} {:?}",
+        "{} {}x{} {:?} {:?} {:?} {:?} seed {} alpha {} blocks {} passes {:?} noise {:?} quality {} clock {} {:?}",
         job.source.path.display(),
         r.width,
         r.height,
@@ -27,6 +27,8 @@ pub(super) fn fingerprint(job: &Job, map: &SourceMap) -> String {
         r.seed,
         r.output_alpha,
         r.block_size,
+        r.passes,
+        r.noise,
         job.compile.quality,
         job.source.lang.clock,
         job.source.lang.declares,
@@ -43,7 +45,7 @@ pub(super) fn fingerprint(job: &Job, map: &SourceMap) -> String {
 
 /// The film to start from: an earlier run's finished blocks when the job wants them and they are there, else an empty one.
 pub(super) fn film(job: &Job, fingerprint: &str, sink: &mut Sink) -> Film {
-    let empty = Film::new(job.render.width, job.render.height);
+    let empty = Film::with_passes(job.render.width, job.render.height, job.render.passes);
     let Some(path) = state_path(job).filter(|p| job.resume && p.exists()) else { return empty };
     match state::load(&path, fingerprint) {
         Ok(mut film) => {

@@ -98,6 +98,8 @@ pub struct Principled {
     pub double_sided: bool,
     /// What the path integrator simulates; `None`: what the fields above say. These stay its likeness for the classic integrator.
     pub shader: Option<Arc<Shader>>,
+    /// Name, for Cryptomatte; may be empty.
+    pub name: Arc<str>,
 }
 
 impl Default for Principled {
@@ -122,6 +124,7 @@ impl Default for Principled {
             normal_scale: 1.0,
             double_sided: true,
             shader: None,
+            name: "".into(),
         }
     }
 }

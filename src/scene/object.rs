@@ -89,6 +89,8 @@ pub struct PathTraits {
     pub object_id: u32,
     /// Name, for Cryptomatte; empty for none.
     pub name: Arc<str>,
+    /// Name of its topmost parent; empty for its own.
+    pub asset: Arc<str>,
     /// `Object::transform` at evenly spaced times over the shutter, at least 2; empty: it stands still. `transform` is the middle's.
     pub motion: Arc<[Transform]>,
 }

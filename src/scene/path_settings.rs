@@ -1,5 +1,7 @@
 //! What a scene asks of the path integrator. The defaults are an unbiased picture; a scene from Blender brings Blender's.
 
+use super::PassSet;
+
 /// Settings of the path integrator. Names and counts as Cycles'.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathSettings {
@@ -43,6 +45,8 @@ pub struct PathSettings {
     pub exposure: f32,
     /// Film is transparent where the world is seen.
     pub film_transparent: bool,
+    /// Passes that the scene asks for.
+    pub passes: PassSet,
 }
 
 impl Default for PathSettings {
@@ -68,6 +72,7 @@ impl Default for PathSettings {
             filter: PixelFilter::BlackmanHarris { width: 1.5 },
             exposure: 1.0,
             film_transparent: false,
+            passes: PassSet::NONE,
         }
     }
 }

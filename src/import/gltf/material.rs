@@ -113,6 +113,7 @@ impl Reader<'_> {
             roughness: pbr.roughness_factor.0,
             emission: Vec3::from_array(m.emissive_factor.0),
             double_sided: m.double_sided,
+            name: m.name.as_deref().unwrap_or_default().into(),
             base_color_texture: self.texture(pbr.base_color_texture.as_ref(), true)?,
             metallic_roughness_texture: self.texture(pbr.metallic_roughness_texture.as_ref(), false)?,
             emission_texture: self.texture(m.emissive_texture.as_ref(), true)?,

@@ -201,7 +201,8 @@ impl Builder<'_> {
             holdout: traits.holdout,
             shadow_catcher: traits.shadow_catcher,
             object_id: traits.pass_index,
-            name: node.name.as_deref().unwrap_or_default().into(),
+            name: traits.object_name.as_deref().or(node.name.as_deref()).unwrap_or_default().into(),
+            asset: traits.asset_name.as_deref().unwrap_or_default().into(),
             motion: rayloom::object_motion(&traits.motion),
         };
         for (shape, cover) in shapes {

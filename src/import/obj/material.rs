@@ -40,7 +40,8 @@ impl Materials {
             }
             MtlRecord::default()
         });
-        let (p, interior) = self.principled(&record, sink);
+        let (mut p, interior) = self.principled(&record, sink);
+        p.name = name.into();
         Cover { texture: Arc::new(Texture::Principled(Box::new(p))), interior: interior.map(Arc::new) }
     }
 

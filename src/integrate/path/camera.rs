@@ -47,6 +47,17 @@ impl PathCamera {
         Some(Ray::new(from, (focus - from).try_normalize()?))
     }
 
+    /// Depth of a point: along the axis where there is a picture plane, else its distance.
+    pub fn depth(&self, point: DVec3, time: f64) -> f64 {
+        let pose = self.pose(time.max(0.0));
+        let to = point - pose.location;
+        let axis = pose.right.cross(pose.up).try_normalize();
+        match (&self.camera.projection, axis) {
+            (Projection::Perspective | Projection::Orthographic, Some(axis)) => to.dot(axis).abs(),
+            _ => to.length(),
+        }
+    }
+
     fn pose(&self, time: f64) -> CameraPose {
         let c = &self.camera;
         if c.motion.len() < 2 {

@@ -46,6 +46,15 @@ pub struct Shading {
     pub holdout: f32,
 }
 
+impl Shading {
+    /// Mean normal of all that the surface does, by weight.
+    pub fn mean_normal(&self, surface: &Surface) -> Vec3 {
+        let lobes: Vec3 = self.lobes.lobes().map(|l| l.frame.n * mean(l.weight)).sum();
+        let below = self.subsurface.as_ref().map_or(Vec3::ZERO, |s| s.normal * mean(s.weight));
+        (lobes + below).try_normalize().unwrap_or(surface.normal.as_vec3())
+    }
+}
+
 /// What a shader may depend on besides the hit.
 #[derive(Clone, Copy, Debug)]
 pub struct View {

@@ -4,11 +4,15 @@
 //! The way of a sample: `camera` → `trace` (one loop over bounces) with `surface` and `closure` at hits, `lights` and `shadow` for direct
 //! light, `volume` and `subsurface` between.
 
+mod adaptive;
 mod bounce;
 mod camera;
 mod closure;
 mod filter;
 mod lights;
+#[cfg(test)]
+mod pass_tests;
+mod passes;
 mod plan;
 mod pov;
 mod principled;
@@ -22,6 +26,8 @@ mod tests;
 mod trace;
 mod volume;
 
+pub use adaptive::{NoiseMap, STEP};
+pub use passes::manifests;
 pub use plan::PathPlan;
 pub use pov::left_out;
-pub use trace::PathTracer;
+pub use trace::{PathTracer, PixelResult};

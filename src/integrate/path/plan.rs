@@ -3,11 +3,12 @@
 use super::camera::PathCamera;
 use super::filter::FilterTable;
 use super::lights::LightSet;
+use super::passes::NameTable;
 use super::shader::shader_of;
 use super::volume::{VolumeStack, grid_summary};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
-use crate::scene::{PathSettings, Shader};
+use crate::scene::{PassSet, PathSettings, Shader};
 use std::sync::Arc;
 
 /// A scene made ready for path tracing.
@@ -29,6 +30,9 @@ pub struct PathPlan<'s> {
     pub(super) grid_summaries: Vec<(f32, f32)>,
     /// Bodies around the camera.
     pub(super) camera_volumes: VolumeStack,
+    /// What is gathered besides the colours.
+    pub(super) passes: PassSet,
+    pub(super) names: NameTable,
 }
 
 impl<'s> PathPlan<'s> {
@@ -52,10 +56,18 @@ impl<'s> PathPlan<'s> {
             has_volumes,
             output_alpha: output_alpha || settings.film_transparent,
             settings,
+            passes: PassSet::NONE,
+            names: NameTable::default(),
         };
         if has_volumes {
             plan.camera_volumes = plan.volumes_at(scene.camera.location);
         }
         plan
+    }
+
+    /// Gathers these passes too.
+    #[must_use]
+    pub fn with_passes(self, passes: PassSet) -> Self {
+        Self { names: NameTable::new(self.scene, passes), passes, ..self }
     }
 }

@@ -45,11 +45,15 @@ impl PathPlan<'_> {
 
     /// Material of a hit, into `TextureTables::principled`.
     pub(super) fn material_ix(&self, surface: &Surface) -> Option<u32> {
-        let (_, cover) = self.material(surface);
-        match self.scene.textures.textures.get(cover?.texture as usize) {
+        match self.scene.textures.textures.get(self.cover_ix(surface)? as usize) {
             Some(TextureNode::Principled(ix)) => Some(*ix),
             _ => None,
         }
+    }
+
+    /// Cover of a hit, into `TextureTables::textures`.
+    pub(super) fn cover_ix(&self, surface: &Surface) -> Option<u32> {
+        Some(self.material(surface).1?.texture)
     }
 
     /// Lobes of a hit on a POV-Ray texture.
@@ -187,11 +191,6 @@ pub fn left_out(scene: &crate::compile::CompiledScene) -> Vec<(&'static str, &'s
         scene.geometry.objects.iter().any(|o| o.traits.holdout || o.traits.shadow_catcher),
         "path-catcher",
         "path tracing: holdouts and shadow catchers are drawn like other objects",
-    );
-    note(
-        scene.settings.path.adaptive_threshold > 0.0,
-        "path-adaptive",
-        "path tracing: every pixel gets all its samples (no adaptive sampling)",
     );
     note(shaders().any(|s| s.surface.as_ref().is_some_and(has_skin)), "path-skin", "path tracing: light enters skin diffusely");
     note(scene.environment.as_ref().is_some_and(is_multiple), "path-sky", "path tracing: the sky scatters light once");

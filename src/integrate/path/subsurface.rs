@@ -4,6 +4,7 @@
 //! all sides (van de Hulst 1980, vol. 2), solved for the single-scattering albedo.
 
 use super::closure::Subsurface;
+use super::passes::Shares;
 use super::sampler::Set;
 use super::shadow::NEAR;
 use super::surface::Surface;
@@ -107,6 +108,9 @@ impl PathTracer<'_> {
         path.throughput *= b.value / b.pdf;
         if !(path.throughput.max_element() > 0.0) {
             return false;
+        }
+        if path.bounces.total == 0 {
+            path.first = Shares::DIFFUSE;
         }
         self.leave(path, &surface, &Some(surface.normal), b.l, b.pdf, false, Event::Diffuse);
         true

@@ -82,6 +82,11 @@ impl<'s> Surface<'s> {
         (1.0 - b.x - b.y) * c[0] + b.x * c[1] + b.y * c[2]
     }
 
+    /// Whether there are texture coordinates of the set.
+    pub fn has_uv(&self, set: u32) -> bool {
+        self.mesh.is_none_or(|m| self.uv_corners(m, set).is_some())
+    }
+
     fn uv_corners<'m>(&self, mesh: &'m MeshShape, set: u32) -> Option<(&'m [[f32; 2]], [u32; 3])> {
         let face = self.hit.face_ix as usize;
         if set == 0 {

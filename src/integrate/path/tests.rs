@@ -10,22 +10,22 @@ use crate::scene::shader::{Closure, PrincipledClosure};
 use crate::scene::{Environment, Lamp, Light, Object, Principled, Scene, Shader, Shape, Texture, Volume};
 use std::sync::Arc;
 
-fn covered(shape: Shape, closure: Closure) -> Object {
+pub(super) fn covered(shape: Shape, closure: Closure) -> Object {
     let shader = Shader { surface: Some(closure), transparent_shadow: true, ..Shader::default() };
     let p = Principled { shader: Some(Arc::new(shader)), ..Principled::default() };
     Object { texture: Some(Arc::new(Texture::Principled(Box::new(p)))), ..Object::new(shape) }
 }
 
-fn lambert(albedo: f32) -> Closure {
+pub(super) fn lambert(albedo: f32) -> Closure {
     Closure::Diffuse { color: albedo.into(), roughness: 0.0.into(), normal: None }
 }
 
-fn lamp(shape: LampShape, power: f32, transform: Transform) -> Light {
+pub(super) fn lamp(shape: LampShape, power: f32, transform: Transform) -> Light {
     Light { lamp: Some(Box::new(Lamp::new(shape, Vec3::splat(power), transform))), ..Light::point(DVec3::ZERO, Vec3::ONE) }
 }
 
 /// A camera at (0, 0, 4) that looks down.
-fn scene(objects: Vec<Object>, lights: Vec<Light>, environment: Rgb) -> Scene {
+pub(super) fn scene(objects: Vec<Object>, lights: Vec<Light>, environment: Rgb) -> Scene {
     let mut s = Scene { objects, lights, environment: Some(Environment::constant(environment)), ..Scene::default() };
     s.camera.location = DVec3::new(0.0, 0.0, 4.0);
     (s.camera.direction, s.camera.right, s.camera.up) = (DVec3::NEG_Z * 20.0, DVec3::X, DVec3::Y);
@@ -33,11 +33,11 @@ fn scene(objects: Vec<Object>, lights: Vec<Light>, environment: Rgb) -> Scene {
     s
 }
 
-fn floor(albedo: f32) -> Object {
+pub(super) fn floor(albedo: f32) -> Object {
     covered(Shape::Plane { normal: DVec3::Z, distance: 0.0 }, lambert(albedo))
 }
 
-fn compiled(s: &Scene) -> CompiledScene {
+pub(super) fn compiled(s: &Scene) -> CompiledScene {
     compile_scene(s, &CompileOptions::default(), &mut Sink::default()).expect("a small scene")
 }
 

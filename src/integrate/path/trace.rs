@@ -2,6 +2,7 @@
 
 use super::bounce::{Bounces, RayKind};
 use super::closure::{Shading, View, shade};
+use super::passes::{From, Gather, Shares};
 use super::plan::PathPlan;
 use super::sampler::{Sampler, Set};
 use super::shadow::NEAR;
@@ -20,6 +21,19 @@ pub struct PathTracer<'p> {
     pub(super) plan: &'p PathPlan<'p>,
     /// What blocked a shadow ray last.
     pub(super) blocker: u32,
+    /// Passes of the pixel under way, if any are asked for.
+    gather: Option<Box<Gather>>,
+}
+
+/// The samples of a pixel.
+#[derive(Clone, Debug, Default)]
+pub struct PixelResult {
+    /// Mean of red, green, blue, transmit.
+    pub color: [f32; 4],
+    /// Mean colour of the samples of odd number.
+    pub odd: [f32; 3],
+    /// Values of the passes, in the order of the film's layers.
+    pub layers: Vec<f32>,
 }
 
 /// Where the last scattering was: what lights met by chance are weighed against.
@@ -52,6 +66,8 @@ pub(super) struct Path {
     pub radiance: Rgb,
     /// Share of the background in the film.
     pub transmit: f32,
+    /// What the first bounce was.
+    pub first: Shares,
 }
 
 /// Power heuristic.
@@ -66,7 +82,30 @@ pub(super) fn balance(a: f32, b: f32) -> f32 {
 impl<'p> PathTracer<'p> {
     /// A tracer.
     pub fn new(plan: &'p PathPlan<'p>) -> Self {
-        Self { plan, blocker: u32::MAX }
+        let gather = (!plan.passes.is_empty()).then(|| Box::new(Gather::new(plan.passes)));
+        Self { plan, blocker: u32::MAX, gather }
+    }
+
+    /// Samples `range` of the pixel at (x, y).
+    pub fn pixel(&mut self, x: u32, y: u32, range: std::ops::Range<u32>) -> PixelResult {
+        if let Some(g) = &mut self.gather {
+            g.start_pixel();
+        }
+        let (mut sum, mut odd, mut n_odd) = ([0.0f64; 4], [0.0f64; 3], 0u32);
+        let n = f64::from(range.end - range.start);
+        for k in range {
+            let c = self.sample(x, y, k);
+            (0..4).for_each(|i| sum[i] += f64::from(c[i]));
+            if k % 2 == 1 {
+                (0..3).for_each(|i| odd[i] += f64::from(c[i]));
+                n_odd += 1;
+            }
+        }
+        PixelResult {
+            color: sum.map(|v| (v / n) as f32),
+            odd: odd.map(|v| (v / f64::from(n_odd.max(1))) as f32),
+            layers: self.gather.as_mut().map_or_else(Vec::new, |g| g.pixel()),
+        }
     }
 
     /// Colour and transmit of sample `index` of the pixel at (x, y).
@@ -76,7 +115,16 @@ impl<'p> PathTracer<'p> {
         let u = sampler.camera();
         let time = if plan.has_motion { f64::from(sampler.time()[0]) } else { -1.0 };
         let (px, py) = (f64::from(x) + plan.filter.offset(u[0]), f64::from(y) + plan.filter.offset(u[1]));
-        let Some(ray) = plan.camera.ray(px, py, [u[2], u[3]], time.max(0.0)) else { return [0.0, 0.0, 0.0, 1.0] };
+        if let Some(g) = &mut self.gather {
+            g.start_sample();
+        }
+        let Some(ray) = plan.camera.ray(px, py, [u[2], u[3]], time.max(0.0)) else {
+            let nothing = [0.0, 0.0, 0.0, 1.0];
+            if let Some(g) = &mut self.gather {
+                g.end_sample(nothing, true);
+            }
+            return nothing;
+        };
         let mut path = Path {
             ray,
             time,
@@ -89,10 +137,16 @@ impl<'p> PathTracer<'p> {
             step: 0,
             radiance: Vec3::ZERO,
             transmit: 0.0,
+            first: Shares::DIFFUSE,
         };
         self.trace(&mut path);
         let c = path.radiance * plan.settings.exposure;
-        if c.is_finite() { [c.x, c.y, c.z, path.transmit] } else { [0.0, 0.0, 0.0, path.transmit] }
+        let is_finite = c.is_finite();
+        let c = if is_finite { [c.x, c.y, c.z, path.transmit] } else { [0.0, 0.0, 0.0, path.transmit] };
+        if let Some(g) = &mut self.gather {
+            g.end_sample(c, is_finite);
+        }
+        c
     }
 
     fn trace(&mut self, path: &mut Path) {
@@ -117,16 +171,22 @@ impl<'p> PathTracer<'p> {
         }
     }
 
-    /// Adds light to the picture, clamped as Cycles clamps; `depth` counts the bounces between light and camera.
-    pub(super) fn add(&self, path: &mut Path, light: Rgb, depth: u32) {
+    /// Adds light to the picture, clamped as Cycles clamps: indirect is what bounced more than once.
+    pub(super) fn add(&mut self, path: &mut Path, light: Rgb, from: From) {
         let s = &self.plan.settings;
-        let limit = 3.0 * if depth > 0 { s.clamp_indirect } else { s.clamp_direct };
+        let bounces = path.bounces.total;
+        let is_direct = matches!(from, From::Drawn(_)) && bounces == 0 || !matches!(from, From::Drawn(_)) && bounces <= 1;
+        let limit = 3.0 * if is_direct { s.clamp_direct } else { s.clamp_indirect };
         let sum = light.abs().element_sum();
-        path.radiance += if limit > 0.0 && sum > limit { light * (limit / sum) } else { light };
+        let light = if limit > 0.0 && sum > limit { light * (limit / sum) } else { light };
+        path.radiance += light;
+        if let Some(g) = &mut self.gather {
+            g.light(light * s.exposure, from, bounces, path.first);
+        }
     }
 
     /// Lamps that the ray meets before `t`.
-    fn add_lamps(&self, path: &mut Path, t: f64) {
+    fn add_lamps(&mut self, path: &mut Path, t: f64) {
         let o = path.origin;
         let (kind, bounce) = (path.bounces.kind.visibility(), path.bounces.total);
         let mut sum = Vec3::ZERO;
@@ -150,11 +210,11 @@ impl<'p> PathTracer<'p> {
             },
         );
         if sum != Vec3::ZERO {
-            self.add(path, path.throughput * sum, bounce.saturating_sub(1));
+            self.add(path, path.throughput * sum, From::Met);
         }
     }
 
-    fn add_environment(&self, path: &mut Path) {
+    fn add_environment(&mut self, path: &mut Path) {
         let plan = self.plan;
         let env = &plan.lights.environment;
         let kind = path.bounces.kind;
@@ -165,13 +225,12 @@ impl<'p> PathTracer<'p> {
                 return;
             }
         }
-        let depth = path.bounces.total.saturating_sub(1);
         if env.sees(kind.visibility()) {
             let light = env.radiance(plan.scene, dir);
             let pdf = if o.pdf.is_finite() { plan.lights.environment_density(plan.scene, o.select, o.normal, dir) } else { 0.0 };
-            self.add(path, path.throughput * light * balance(o.pdf, pdf), depth);
+            self.add(path, path.throughput * light * balance(o.pdf, pdf), From::World);
             if let Some((radiance, pdf)) = plan.lights.sky_sun(plan.scene, o.select, o.normal, dir) {
-                self.add(path, path.throughput * radiance * balance(o.pdf, pdf), depth);
+                self.add(path, path.throughput * radiance * balance(o.pdf, pdf), From::World);
             }
         }
     }
@@ -193,6 +252,9 @@ impl<'p> PathTracer<'p> {
             Some(shader) => shade(shader.surface.as_ref(), &surface, view),
             None => plan.pov_shading(&surface, cover, view),
         };
+        if let (Some(g), 0) = (&mut self.gather, path.bounces.total) {
+            g.surface(plan, path, &surface, &shading, shader);
+        }
         if shading.emission.max_element() > 0.0 {
             let o = path.origin;
             let along = o.travelled + surface.hit.t;
@@ -202,7 +264,7 @@ impl<'p> PathTracer<'p> {
             } else {
                 0.0
             };
-            self.add(path, path.throughput * shading.emission * balance(o.pdf, pdf), path.bounces.total.saturating_sub(1));
+            self.add(path, path.throughput * shading.emission * balance(o.pdf, pdf), From::Met);
         }
         if survival <= 0.0 {
             return false;
@@ -259,6 +321,13 @@ impl<'p> PathTracer<'p> {
         }
         if plan.has_volumes && b.l.dot(surface.flat.as_vec3()) < 0.0 {
             path.volumes.cross(plan, surface, shader);
+        }
+        if self.gather.is_some() && path.bounces.total == 0 {
+            path.first = match (b.singular, b.event) {
+                (true, Event::Glossy) => Shares::Surface([Vec3::ZERO, Vec3::ONE]),
+                (true, _) => Shares::Surface([Vec3::ZERO; 2]),
+                _ => Shares::Surface(shading.lobes.shares(surface.v, b.l)),
+            };
         }
         self.leave(path, surface, &light_normal(&shading.lobes), b.l, b.pdf, b.singular, b.event);
         true
@@ -327,7 +396,8 @@ impl<'p> PathTracer<'p> {
             seen = plan.transmittance(from, dir, distance, path.time, &volumes, &mut self.blocker, path.sampler.stream(path.step));
         }
         if seen != Vec3::ZERO {
-            self.add(path, contribution * seen, path.bounces.total);
+            let shares = if self.gather.is_some() && path.bounces.total == 0 { lobes.shares(surface.v, l) } else { [Vec3::ZERO; 2] };
+            self.add(path, contribution * seen, From::Drawn(Shares::Surface(shares)));
         }
     }
 }

@@ -4,6 +4,7 @@
 //! weighed against each other. The path itself goes on where delta tracking says. Source: Kulla and Fajardo 2012; Woodcock et al. 1965;
 //! Novák, Selle and Jarosz 2014 (ratio tracking).
 
+use super::passes::{From, Shares};
 use super::plan::PathPlan;
 use super::sampler::Set;
 use super::shadow::NEAR;
@@ -296,7 +297,7 @@ impl PathTracer<'_> {
         if m.majorant <= 0.0 {
             // Light without matter.
             if t.is_finite() {
-                self.add(path, path.throughput * m.emission * t as f32, path.bounces.total);
+                self.add(path, path.throughput * m.emission * t as f32, From::Met);
             }
             return false;
         }
@@ -317,7 +318,7 @@ impl PathTracer<'_> {
             let p = ray.at(at);
             let c = m.at(p);
             if c.emission != Vec3::ZERO {
-                self.add(path, path.throughput * c.emission / m.majorant, path.bounces.total);
+                self.add(path, path.throughput * c.emission / m.majorant, From::Met);
             }
             let real = mean(c.extinction) / m.majorant;
             if rng.draw() >= real {
@@ -335,6 +336,9 @@ impl PathTracer<'_> {
                 self.light_at(path, p, &c, choice, weight, path.throughput, path.sampler.stream(path.step) ^ 1);
             }
             let (dir, pdf) = sample_phase(c.anisotropy, ray.dir, u[2], u[3]);
+            if path.bounces.total == 0 {
+                path.first = Shares::Volume;
+            }
             path.bounces.scattered_in_volume(&plan.settings);
             path.ray = Ray::new(p, dir);
             path.origin = Origin { point: p, select: choice.as_ref().map_or(p, |c| c.select), normal: None, pdf, travelled: 0.0 };
@@ -402,7 +406,7 @@ impl PathTracer<'_> {
             Vec3::ONE
         };
         if seen != Vec3::ZERO {
-            self.add(path, contribution * seen, path.bounces.total);
+            self.add(path, contribution * seen, From::Drawn(Shares::Volume));
         }
     }
 }

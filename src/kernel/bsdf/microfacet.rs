@@ -30,6 +30,23 @@ impl Microfacet {
         if r + t > 0.0 { r / (r + t) } else { 0.0 }
     }
 
+    /// About what is reflected and let through of light from everywhere, for a viewer at cosine `cos`.
+    pub fn albedo(&self, cos: f32) -> [Rgb; 2] {
+        let roughness = (self.ggx.ax * self.ggx.ay).sqrt().sqrt();
+        let (r, t, _) = self.fresnel.eval(cos);
+        match self.fresnel {
+            Fresnel::Dielectric { eta, f0, tint } if !self.refracts => {
+                let mix = super::albedo::dielectric_mix(eta, roughness, cos);
+                [(f0 + (Vec3::ONE - f0) * mix) * tint[0] * super::albedo::mirror(roughness, cos), Vec3::ZERO]
+            }
+            _ if self.refracts => {
+                let kept = super::albedo::glass(self.fresnel.eta(), roughness, cos);
+                [r * kept, t * kept]
+            }
+            _ => [r * super::albedo::mirror(roughness, cos), Vec3::ZERO],
+        }
+    }
+
     /// Value times the light's cosine, and density.
     pub fn eval(&self, v: Vec3, l: Vec3) -> (Rgb, f32) {
         let zero = (Vec3::ZERO, 0.0);

@@ -273,6 +273,47 @@ impl LobeSet {
         (value, pdf / self.total)
     }
 
+    /// Shares of the value towards `l` that diffuse and glossy lobes have; the rest goes through. Translucent light counts as diffuse.
+    /// Source: which closure counts as what, Cycles' passes.
+    pub fn shares(&self, v: Vec3, l: Vec3) -> [Rgb; 2] {
+        let (mut all, mut diffuse, mut glossy) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+        for lobe in self.lobes() {
+            let f = lobe.eval(v, l).0 * lobe.weight * self.shade(lobe, l);
+            all += f;
+            if lobe.is_diffuse() {
+                diffuse += f;
+            } else if lobe.event(l) == Event::Glossy {
+                glossy += f;
+            }
+        }
+        let of = |part: Rgb| Vec3::select(all.cmpgt(Vec3::ZERO), part / all, Vec3::ZERO);
+        [of(diffuse), of(glossy)]
+    }
+
+    /// Colours: what all lobes together give back of white light from everywhere, by kind: diffuse, reflected, let through.
+    /// That of microfacets is Fresnel's term at the viewer's cosine times what the facets keep, no average over them.
+    pub fn colors(&self, v: Vec3) -> [Rgb; 3] {
+        let mut out = [Vec3::ZERO; 3];
+        for lobe in self.lobes() {
+            let cos = lobe.frame.n.dot(v).clamp(0.0, 1.0);
+            match &lobe.kind {
+                LobeKind::Lambert | LobeKind::OrenNayar(_) | LobeKind::Translucent => out[0] += lobe.weight,
+                LobeKind::Sheen(s) => out[0] += lobe.weight * s.albedo,
+                LobeKind::Microfacet(m) => {
+                    let [reflected, through] = m.albedo(cos);
+                    out[1] += lobe.weight * reflected;
+                    out[2] += lobe.weight * through;
+                }
+                // Half each way.
+                LobeKind::Hair(_) => {
+                    out[1] += lobe.weight * 0.5;
+                    out[2] += lobe.weight * 0.5;
+                }
+            }
+        }
+        out
+    }
+
     /// Whether light from behind the surface may reach the viewer.
     pub fn transmits(&self) -> bool {
         self.lobes().any(|l| match &l.kind {

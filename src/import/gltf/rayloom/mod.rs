@@ -103,6 +103,9 @@ pub(super) struct NodeTraits {
     pub holdout: bool,
     pub shadow_catcher: bool,
     pub pass_index: u32,
+    /// Names for Cryptomatte; without them the node's name stands for both.
+    pub object_name: Option<String>,
+    pub asset_name: Option<String>,
     /// World matrices at evenly spaced times over the shutter; empty: it stands still.
     pub motion: Vec<DAffine3>,
 }
@@ -122,10 +125,12 @@ impl<'a> Extension<'a> {
             holdout: r.flag("holdout", false)?,
             shadow_catcher: r.flag("shadowCatcher", false)?,
             pass_index: r.count_or("passIndex", 0)?,
+            object_name: r.text("objectName")?.map(str::to_owned),
+            asset_name: r.text("assetName")?.map(str::to_owned),
             motion,
         };
         // What nothing reads yet.
-        for key in ["objectName", "assetName", "random", "color", "materials", "lightLinking", "shadowLinking"] {
+        for key in ["random", "color", "materials", "lightLinking", "shadowLinking"] {
             r.get(key);
         }
         r.finish()?;

@@ -145,6 +145,14 @@ impl<'a> Record<'a> {
         list.iter().enumerate().map(number).collect()
     }
 
+    /// Any number of words.
+    pub fn words(&self, key: &str) -> Result<Vec<&'a str>, ImportError> {
+        let Some(v) = self.get(key) else { return Ok(Vec::new()) };
+        let list = v.as_array().ok_or_else(|| self.expected(key, "a list of words", v))?;
+        let word = |(k, v): (usize, &'a Value)| v.as_str().ok_or_else(|| self.expected(&format!("{key}[{k}]"), "a word", v));
+        list.iter().enumerate().map(word).collect()
+    }
+
     /// A record inside.
     pub fn record(&self, key: &str) -> Result<Option<Record<'a>>, ImportError> {
         self.get(key).map(|v| Record::new(self.doc, v, format!("{}.{key}", self.path))).transpose()

@@ -4,9 +4,9 @@ use super::super::super::ImportError;
 use super::motion::Shutter;
 use super::record::Record;
 use crate::diag::Sink;
-use crate::scene::Scene;
 use crate::scene::curves::CurveStyle;
 use crate::scene::path_settings::PixelFilter;
+use crate::scene::{Pass, Scene};
 
 /// Fills the scene's settings from the record `render`; the style of hair and the shutter besides.
 pub(super) fn settings(r: &Record, scene: &mut Scene, sink: &mut Sink) -> Result<(CurveStyle, Shutter), ImportError> {
@@ -53,6 +53,14 @@ pub(super) fn settings(r: &Record, scene: &mut Scene, sink: &mut Sink) -> Result
     if r.positive_or("timeLimit", 0.0)? > 0.0 {
         sink.note_once("rayloom: time limit", None, "the scene's time limit is left out");
     }
+    for name in r.words("passes")? {
+        match Pass::named(name) {
+            Some(pass) => p.passes = p.passes.with(pass),
+            None => {
+                sink.note_once(&format!("rayloom: pass {name}"), None, format!("the pass '{name}' is left out: it is not rendered yet"))
+            }
+        }
+    }
     let mut shutter = Shutter::default();
     if let Some(m) = r.record("motionBlur")? {
         let length = m.positive_or("shutter", 0.5)?;
@@ -70,7 +78,7 @@ pub(super) fn settings(r: &Record, scene: &mut Scene, sink: &mut Sink) -> Result
         h.finish()?;
     }
     // What the command line says, or what changes no picture.
-    for key in ["resolution", "pixelAspect", "border", "threads", "lightThreshold", "lightTree", "passes", "volume", "background"] {
+    for key in ["resolution", "pixelAspect", "border", "threads", "lightThreshold", "lightTree", "volume", "background"] {
         r.get(key);
     }
     r.finish()?;

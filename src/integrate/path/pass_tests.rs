@@ -1,0 +1,122 @@
+//! Passes with known answers.
+
+use super::tests::{compiled, covered, floor, lambert, lamp, scene};
+use super::{PathPlan, PathTracer};
+use crate::film::{Film, PixelSamples};
+use crate::math::{DVec3, Transform, Vec3};
+use crate::scene::lamp::LampShape;
+use crate::scene::pass::NO_DEPTH;
+use crate::scene::shader::{Closure, PrincipledClosure};
+use crate::scene::{Pass, PassSet, Scene, Shape};
+
+const SIDE: u32 = 4;
+
+/// The picture of a scene with all passes.
+fn render(s: &Scene, n: u32) -> Film {
+    let c = compiled(s);
+    let passes = PassSet::all();
+    let plan = PathPlan::new(&c, SIDE, SIDE, 1, false).with_passes(passes);
+    let mut tracer = PathTracer::new(&plan);
+    let mut film = Film::with_passes(SIDE, SIDE, passes);
+    for at in 0..(SIDE * SIDE) as usize {
+        let r = tracer.pixel(at as u32 % SIDE, at as u32 / SIDE, 0..n);
+        film.join(at, PixelSamples { color: r.color, layers: &r.layers, n, earlier: false });
+    }
+    film
+}
+
+fn rgb(film: &Film, p: Pass, at: usize) -> Vec3 {
+    Vec3::from_slice(film.layer(p).expect("all passes are there").at(at))
+}
+
+/// A ball that does everything, over a floor with a lamp above and a grey world, half transparent.
+fn mixed_scene() -> Scene {
+    let p = PrincipledClosure {
+        base_color: 0.7.into(),
+        transmission_weight: 0.4.into(),
+        coat_weight: 0.5.into(),
+        alpha: 0.7.into(),
+        emission_strength: 0.2.into(),
+        ..PrincipledClosure::default()
+    };
+    let ball = covered(Shape::Sphere { center: DVec3::new(0.0, 0.0, 0.5), radius: 0.08 }, Closure::Principled(Box::new(p)));
+    let light = lamp(LampShape::Point { radius: 0.3, soft_falloff: false }, 60.0, Transform::translation(DVec3::new(1.0, 0.0, 2.0)));
+    scene(vec![ball, floor(0.6)], vec![light], Vec3::splat(0.3))
+}
+
+#[test]
+fn light_by_kind_adds_up_to_the_picture() {
+    let film = render(&mixed_scene(), 64);
+    let light: Vec<Pass> = Pass::all()
+        .filter(|p| (Pass::DiffuseDirect..=Pass::Environment).contains(p) && p.join() == crate::scene::pass::Join::Mean)
+        .filter(|p| !matches!(p, Pass::DiffuseColor | Pass::GlossyColor | Pass::TransmissionColor))
+        .collect();
+    assert_eq!(light.len(), 10);
+    for at in 0..(SIDE * SIDE) as usize {
+        let sum: Vec3 = light.iter().map(|p| rgb(&film, *p, at)).sum();
+        let whole = Vec3::new(film.pixels[at][0], film.pixels[at][1], film.pixels[at][2]);
+        assert!((sum - whole).abs().max_element() < 1e-4 * whole.max_element(), "pixel {at}: {sum}, not {whole}");
+    }
+    let total = |p: Pass| (0..16).map(|at| rgb(&film, p, at).x).sum::<f32>();
+    for p in
+        [Pass::DiffuseDirect, Pass::DiffuseIndirect, Pass::GlossyDirect, Pass::GlossyIndirect, Pass::TransmissionIndirect, Pass::Emission]
+    {
+        assert!(total(p) > 0.0, "{} is there", p.name());
+    }
+}
+
+#[test]
+fn a_floor_has_its_depth_place_normal_and_colour() {
+    let s = scene(vec![floor(0.6)], vec![], Vec3::ONE);
+    let film = render(&s, 8);
+    for at in 0..16 {
+        assert!((film.layer(Pass::Depth).expect("there").at(at)[0] - 4.0).abs() < 1e-5, "along the axis");
+        assert!(rgb(&film, Pass::Position, at).z.abs() < 1e-5);
+        assert_eq!(rgb(&film, Pass::Normal, at), Vec3::Z);
+        assert!((rgb(&film, Pass::DiffuseColor, at) - Vec3::splat(0.6)).abs().max_element() < 1e-6);
+        // Light of the world that bounced once is direct.
+        assert!((rgb(&film, Pass::DiffuseDirect, at) - Vec3::splat(0.6)).abs().max_element() < 1e-4);
+        assert_eq!(rgb(&film, Pass::DiffuseIndirect, at), Vec3::ZERO);
+        let crypto = film.layer(Pass::CryptoObject).expect("there").at(at);
+        assert_eq!((crypto[0].to_bits(), crypto[1]), (crate::film::cryptomatte::name_bits("object 0"), 1.0));
+    }
+}
+
+#[test]
+fn an_empty_picture_has_the_world_and_no_depth() {
+    let film = render(&scene(vec![], vec![], Vec3::splat(0.25)), 4);
+    assert_eq!(film.layer(Pass::Depth).expect("there").at(5), [NO_DEPTH]);
+    assert_eq!(rgb(&film, Pass::Environment, 5), Vec3::splat(0.25));
+    assert_eq!(rgb(&film, Pass::Variance, 5), Vec3::ZERO);
+}
+
+#[test]
+fn a_half_transparent_ball_shares_its_pixel_with_what_lies_behind() {
+    let mut s = scene(vec![floor(0.5)], vec![], Vec3::ONE);
+    let glassy = Closure::Mix {
+        factor: crate::scene::shader::MixFactor::Scalar(0.25.into()),
+        a: Box::new(lambert(0.5)),
+        b: Box::new(Closure::Transparent { color: 1.0.into() }),
+    };
+    let mut sheet = covered(Shape::Box { min: DVec3::new(-9.0, -9.0, 0.4), max: DVec3::new(9.0, 9.0, 0.5) }, glassy);
+    sheet.traits.name = "sheet".into();
+    s.objects.push(sheet);
+    let film = render(&s, 512);
+    let crypto = film.layer(Pass::CryptoObject).expect("there").at(6);
+    let share = |name: &str| crypto.chunks(2).find(|p| p[0].to_bits() == crate::film::cryptomatte::name_bits(name)).map_or(0.0, |p| p[1]);
+    // The sheet has two faces: 0.75 of the first, 0.75 of the quarter that comes through.
+    assert!((share("sheet") - 0.9375).abs() < 0.01 && (share("object 0") - 0.0625).abs() < 0.01, "{crypto:?}");
+}
+
+#[test]
+fn variance_is_that_of_the_samples() {
+    let s = mixed_scene();
+    let c = compiled(&s);
+    let plan = PathPlan::new(&c, SIDE, SIDE, 1, false).with_passes(PassSet::NONE.with(Pass::Variance));
+    let mut tracer = PathTracer::new(&plan);
+    let r = tracer.pixel(1, 2, 0..50);
+    let samples: Vec<f64> = (0..50).map(|k| f64::from(tracer.sample(1, 2, k)[0])).collect();
+    let mean = samples.iter().sum::<f64>() / 50.0;
+    let want = samples.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / 49.0;
+    assert!((f64::from(r.layers[0]) / want - 1.0).abs() < 1e-4, "{} not {want}", r.layers[0]);
+}
