@@ -6,7 +6,7 @@ use rayloom::scene::environment::EnvironmentSource;
 use rayloom::scene::input::{Channel, NormalInput};
 use rayloom::scene::lamp::LampShape;
 use rayloom::scene::shader::{Closure, MixFactor, PrincipledClosure};
-use rayloom::scene::{Scene, Shape, Visibility};
+use rayloom::scene::{Pass, Scene, Shape, Visibility};
 use std::f64::consts::PI;
 
 /// The node that turns Blender's axes to glTF's, as the exporter writes it.
@@ -211,12 +211,12 @@ fn hair_grids_motion_and_switches_arrive() {
     let nodes = [
         r#"{"name":"Fur","extensions":{"RAYLOOM_scene":{"curves":0}}}"#.into(),
         format!(
-            r#"{{"name":"Box","mesh":0,"extensions":{{"RAYLOOM_scene":{{"visibility":{{"shadow":false}},"holdout":true,"passIndex":3,
+            r#"{{"name":"Box","mesh":0,"extensions":{{"RAYLOOM_scene":{{"visibility":{{"shadow":false}},"holdout":true,"passIndex":3,"objectName":"Box","assetName":"Shelf",
             "motion":{{"times":[-0.25,0,0.25],"matrices":{keys}}}}}}}}}"#
         ),
     ];
     let extension = format!(
-        r#","render":{{"resolution":[8,4],"samples":7,"seed":3,"clampIndirect":0,"motionBlur":{{"shutter":0.5}},"hair":{{"shape":"thick"}},
+        r#","render":{{"resolution":[8,4],"samples":7,"passes":["depth","glossyDirect","mist"],"seed":3,"clampIndirect":0,"motionBlur":{{"shutter":0.5}},"hair":{{"shape":"thick"}},
         "bounces":{{"total":5,"diffuse":1}},"filter":{{"type":"gaussian","width":2}}}},
         "curves":[{{"points":{points},"radii":{radii},"offsets":{offsets},"material":0}}],
         "grids":[{{"bufferView":{grid},"resolution":[2,2,2],"affine":[4,0,0,-2, 0,4,0,-2, 0,0,4,-2]}}]"#
@@ -232,8 +232,10 @@ fn hair_grids_motion_and_switches_arrive() {
     assert_eq!((c.starts.as_slice(), c.radii[3], c.points[2]), (&[0, 3, 5][..], 0.2, Vec3::new(0.0, 0.0, 2.0)));
     let traits = &s.objects[1].traits;
     assert_eq!((traits.visibility, traits.holdout, traits.object_id), (Visibility::ALL.without(Visibility::SHADOW), true, 3));
-    assert_eq!((&*traits.name, traits.motion.len()), ("Box", 3));
+    assert_eq!((&*traits.name, &*traits.asset, traits.motion.len()), ("Box", "Shelf", 3));
     assert_eq!(traits.motion[2].point(DVec3::ZERO), DVec3::X);
+    let passes: Vec<Pass> = s.settings.path.passes.iter().collect();
+    assert_eq!(passes, [Pass::Depth, Pass::GlossyDirect, Pass::GlossyColor], "mist is left out");
     assert_eq!(mesh(&s, 1).motion[2][0], Vec3::from_slice(&SQUARE[..3]) + 1.0);
     let shader = material(&s, 1).shader.as_ref().expect("a shader");
     assert!(shader.surface.is_none(), "a hull of a volume has no surface");
