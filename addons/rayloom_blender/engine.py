@@ -80,10 +80,9 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
 
     def update_render_passes(self, scene=None, renderlayer=None):
         """Tells Blender which passes come."""
-        self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
-        for name in filter(passes.PASSES.__contains__, wanted_passes(renderlayer)):
-            blender_name, channels, kind = passes.PASSES[name]
-            self.register_pass(scene, renderlayer, blender_name, len(channels), channels, kind)
+        ranks = getattr(renderlayer, "pass_cryptomatte_depth", 6)
+        for name, channels, kind in passes.registered(wanted_passes(renderlayer), ranks):
+            self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
 
     def render(self, depsgraph):
         """One picture. An exception that left here would make Blender say that all is well."""
@@ -187,6 +186,9 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
                 render_pass.rect.foreach_set(np.ascontiguousarray(stacked, np.float32).ravel())
         finally:
             self.end_result(result)
+        # Only the engine's own result takes them to the file's header (measured, 4.5).
+        for key, value in passes.cryptomatte_fields(picture.attributes, depsgraph.view_layer.name).items():
+            self.get_result().stamp_data_add_field(key, value)
 
 
 def forget_old_buffers(folder, used):

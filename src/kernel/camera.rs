@@ -6,6 +6,7 @@
 use super::function::free_point;
 use super::lens::Lens;
 use super::mesh_camera::MeshCamera;
+use super::panorama;
 use super::pigment::eval_pigment;
 use crate::compile::CompiledScene;
 use crate::math::color::grey;
@@ -150,6 +151,10 @@ impl CameraModel {
                         ..from(along_b.sin() * u + along_b.cos() * d, DVec2::new(a * size.x, along_b))
                     },
                 }
+            }
+            Projection::Panorama(ref panorama) => {
+                let v = panorama::direction(panorama, s)?;
+                from(v.x * r + v.y * u + v.z * d, s)
             }
             Projection::Mesh { .. } => return None,
         })

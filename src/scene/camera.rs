@@ -24,8 +24,26 @@ pub enum Projection {
     Spherical { horizontal_rad: f64, vertical_rad: f64 },
     /// POV-Ray's four cylinder cameras.
     Cylinder { kind: u8, angle_rad: f64 },
+    /// Blender's panoramas.
+    Panorama(Panorama),
     /// Rays start on the faces of meshes.
     Mesh { n_rays: u32, distribution: u8, max_distance: f64, meshes: Vec<Object>, smooth: bool },
+}
+
+/// Blender's panoramic cameras, along `direction`; longitudes grow to the right, latitudes upwards, both from the middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the fields say their unit")]
+pub enum Panorama {
+    /// Angles from left to right and from bottom to top, in radians.
+    Equirectangular { longitude: [f64; 2], latitude: [f64; 2] },
+    /// A fisheye of equal areas. Lens and sensor (width, height) in one unit, the full angle that it sees.
+    Equisolid { lens: f64, angle_rad: f64, sensor: [f64; 2] },
+    /// A fisheye whose angle is minus a polynomial in the distance from the middle of the sensor (width, height), in its unit.
+    Polynomial { coefficients: [f64; 5], angle_rad: f64, sensor: [f64; 2] },
+    /// A mirror ball seen from far away.
+    MirrorBall,
+    /// A cylinder around the camera: angles from left to right, heights from bottom to top.
+    Cylinder { longitude: [f64; 2], height: [f64; 2], radius: f64 },
 }
 
 /// Depth of field.

@@ -3,10 +3,12 @@
 use super::child::{self, End};
 use super::command;
 use super::discover::{Case, Suite};
+use super::error::SuiteError;
 use super::estimate;
 use super::judge::{Pair, WORST, judge};
+use super::limits::Limits;
 use super::results::{CaseResult, PairResult, RunResult, State};
-use super::spec::{Expect, Limits, Machine, SuiteError};
+use super::spec::{Expect, Machine};
 use super::texts;
 use crate::compare::Estimate;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! One run of a program: with an end in time, what it said, and how long and how large it was.
 
 use super::command::CommandLine;
-use super::spec::SuiteError;
+use super::error::SuiteError;
 use std::fs::File;
 use std::path::Path;
 use std::process::{Command, Stdio};

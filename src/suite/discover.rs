@@ -1,6 +1,7 @@
 //! From a folder to its cases: every folder with a `test.toml` is one. What belongs to no case is told.
 
-use super::spec::{CaseFile, Machine, PictureKind, SuiteError, SuiteFile, read_case_file, read_suite_file};
+use super::error::SuiteError;
+use super::spec::{CaseFile, Machine, PictureKind, SuiteFile, read_case_file, read_suite_file};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Files of noisy pictures: mean and variance of each pixel in one EXR, as layers that every viewer shows.
 
-use super::spec::SuiteError;
+use super::error::SuiteError;
 use crate::compare::{DEFAULT_MAX_PIXELS, Estimate, Picture, PictureError, read_layers};
 use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
 use std::path::Path;

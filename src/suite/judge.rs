@@ -1,8 +1,8 @@
 //! From two pictures and a tolerance to a verdict with its reasons.
 
 use super::estimate;
+use super::limits::Limits;
 use super::results::{Numbers, PairResult, State};
-use super::spec::Limits;
 use crate::compare::{CompareOptions, DEFAULT_MAX_PIXELS, Estimate, Flip, Metrics, Picture, compare, z_test};
 use std::path::Path;
 

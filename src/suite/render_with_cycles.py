@@ -1,4 +1,5 @@
-"""Renders one picture of a scene with Cycles. Arguments: SCENE OUT.exr WIDTH HEIGHT SAMPLES SEED. Needs Python with bpy (pip install bpy).
+"""Renders a scene with Cycles, once with each seed. Arguments: SCENE WIDTH HEIGHT SAMPLES OUT0.exr OUT1.exr ... (the k-th with seed k).
+Needs Python with bpy (pip install bpy).
 
 Plain path tracing, so that the light is Cycles' own and nothing else: no denoiser, no adaptive sampling, no clamps, no filter on glossy
 reflections; linear light in 32-bit floats.
@@ -10,7 +11,7 @@ import sys
 import bpy  # noqa: this file must not be called cycles.py, as the add-on is
 
 
-def main(scene_path, out, width, height, samples, seed):
+def main(scene_path, width, height, samples, outs):
     if scene_path.endswith(".blend"):
         bpy.ops.wm.open_mainfile(filepath=scene_path)
     else:
@@ -30,17 +31,22 @@ def main(scene_path, out, width, height, samples, seed):
     scene.render.use_border = False
     cycles = scene.cycles
     cycles.device = "CPU"
-    cycles.samples, cycles.seed = samples, seed
+    cycles.samples = samples
     cycles.use_adaptive_sampling = cycles.use_denoising = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.blur_glossy = 0.0
+    cycles.use_animated_seed = False
     image = scene.render.image_settings
     image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGB", "32"
-    scene.render.filepath = out
-    bpy.ops.render.render(write_still=True)
+    for view_layer in scene.view_layers:
+        view_layer.samples = 0
+    for seed, out in enumerate(outs):
+        cycles.seed = seed
+        scene.render.filepath = out
+        bpy.ops.render.render(write_still=True)
 
 
-main(os.path.abspath(sys.argv[1]), sys.argv[2], *map(int, sys.argv[3:7]))
+main(os.path.abspath(sys.argv[1]), *map(int, sys.argv[2:5]), sys.argv[5:])
 sys.stdout.flush()
 # Blender's own tidying up at the end may hang in this build of it.
 os._exit(0)

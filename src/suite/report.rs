@@ -1,8 +1,8 @@
 //! The report: one HTML page without network. Pictures are in the page as text that is decoded when it is looked at, or, on request, in a
 //! folder beside it; equal pictures are there once.
 
+use super::error::SuiteError;
 use super::results::{CaseResult, SuiteResults};
-use super::spec::SuiteError;
 use crate::compare::{DEFAULT_MAX_PIXELS, Picture};
 use base64::Engine;
 use rayon::prelude::*;

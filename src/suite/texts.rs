@@ -1,7 +1,7 @@
 //! Golden texts: what the program says about a scene, and the parsed scene.
 
+use super::error::SuiteError;
 use super::results::{State, TextResult};
-use super::spec::SuiteError;
 use std::path::Path;
 
 /// Lines of a difference that are shown at most.

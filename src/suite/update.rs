@@ -3,15 +3,18 @@
 use super::child::{self, End};
 use super::command::{self, CommandLine};
 use super::discover::{Case, Suite};
+use super::error::SuiteError;
 use super::estimate;
 use super::results::{CaseResult, State};
-use super::spec::{Expect, PictureKind, SuiteError};
+use super::spec::{Expect, PictureKind};
 use std::path::{Path, PathBuf};
 
 /// Largest reference file in bytes: one issue a picture, and small.
 const MAX_REFERENCE: u64 = 2 << 20;
 /// Seeds that make the variance of a reference of Cycles.
 const CYCLES_SEEDS: u32 = 8;
+/// Samples of each for one of ours: the noise of the reference is below that of what is held against it.
+const CYCLES_SAMPLES_PER_OURS: u32 = 4;
 /// Our script for Blender.
 const CYCLES_SCRIPT: &str = include_str!("render_with_cycles.py");
 
@@ -97,7 +100,7 @@ pub fn make_references(
 fn povray(suite: &Suite, case: &Case, program: &Path, out: &Path, heard: &dyn Fn(&Case, &CommandLine)) -> Result<PathBuf, SuiteError> {
     let picture = out.join("reference.png");
     let command = command::povray(suite, case, program, &picture);
-    made(case, &command, &picture, out, suite.file.timeout_s, heard)?;
+    made(case, &command, std::slice::from_ref(&picture), out, suite.file.timeout_s, heard)?;
     Ok(picture)
 }
 
@@ -107,40 +110,38 @@ fn cycles(suite: &Suite, case: &Case, python: &Path, out: &Path, heard: &dyn Fn(
     // A scene as Blender saved it says more than its export.
     let blend = case.scene.with_extension("blend");
     let scene = if case.folder.join(&blend).is_file() { blend } else { case.scene.clone() };
-    let samples = case.file.options.split_whitespace().skip_while(|w| *w != "--spp").nth(1).unwrap_or("64");
+    let ours = case.file.options.split_whitespace().skip_while(|w| *w != "--spp").nth(1).and_then(|n| n.parse().ok()).unwrap_or(64_u32);
+    let samples = ours.saturating_mul(CYCLES_SAMPLES_PER_OURS);
     let [w, h] = case.size;
-    let mut parts = Vec::new();
-    for seed in 0..CYCLES_SEEDS {
-        let picture = out.join(format!("reference{seed}.exr"));
-        let words = [&scene.to_string_lossy(), &*picture.to_string_lossy(), &w.to_string(), &h.to_string(), samples, &seed.to_string()]
-            .map(str::to_owned);
-        let mut args = vec![script.to_string_lossy().into_owned()];
-        args.extend(words);
-        let command = CommandLine { program: python.to_owned(), args, folder: case.folder.clone() };
-        made(case, &command, &picture, out, suite.file.timeout_s.max(600.0), heard)?;
-        parts.push(picture);
-    }
+    let parts: Vec<PathBuf> = (0..CYCLES_SEEDS).map(|seed| out.join(format!("reference{seed}.exr"))).collect();
+    let mut args = vec![script.to_string_lossy().into_owned(), scene.to_string_lossy().into_owned()];
+    args.extend([w, h, samples].map(|n| n.to_string()));
+    args.extend(parts.iter().map(|p| p.to_string_lossy().into_owned()));
+    let command = CommandLine { program: python.to_owned(), args, folder: case.folder.clone() };
+    made(case, &command, &parts, out, suite.file.timeout_s.max(600.0), heard)?;
     let unreadable = |e: crate::compare::PictureError| SuiteError::Request(e.to_string());
     let to = out.join(format!("reference.{}", PictureKind::Exr.extension()));
     estimate::write(&to, &estimate::of_files(&parts).map_err(unreadable)?)?;
     Ok(to)
 }
 
-/// Runs a command that has to leave a picture.
+/// Runs a command that has to leave pictures.
 fn made(
     case: &Case,
     command: &CommandLine,
-    picture: &Path,
+    pictures: &[PathBuf],
     out: &Path,
     timeout_s: f64,
     heard: &dyn Fn(&Case, &CommandLine),
 ) -> Result<(), SuiteError> {
     heard(case, command);
     // An old one must not be taken for the new one.
-    let _ = std::fs::remove_file(picture);
+    for picture in pictures {
+        let _ = std::fs::remove_file(picture);
+    }
     let log = out.join("reference.log");
     let ended = child::run(command, &log, None, timeout_s)?;
-    if ended.end != End::Code(0) || !picture.is_file() {
+    if ended.end != End::Code(0) || !pictures.iter().all(|p| p.is_file()) {
         let last: Vec<&str> = ended.told.lines().rev().take(8).collect();
         let told = last.into_iter().rev().collect::<Vec<_>>().join("\n  ");
         return Err(SuiteError::Request(format!("{}: {command}\n  gave no picture ({:?}):\n  {told}", case.name, ended.end)));

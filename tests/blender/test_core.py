@@ -177,9 +177,24 @@ class Shaders(unittest.TestCase):
         closure, out, around, told = self.lowered(nodes)
         self.assertEqual(out[closure["density"]["node"]], {"type": "grid", "grid": 0})
         grid = around.grids[0]
-        self.assertEqual(grid.shape, (80, 80, 160))
-        self.assertAlmostEqual(float(grid[0, 0, 40]), 4 * 40.5 / 80, places=4)
+        # Linear but for its ends, where the gradient is cut off: the coarsest grid does.
+        self.assertEqual(grid.shape, (10, 10, 20))
+        self.assertAlmostEqual(float(grid[0, 0, 5]), 4 * 5.5 / 10, places=4)
         self.assertEqual(len(told), 1)
+
+    def test_grids_are_as_fine_as_the_density_asks(self):
+        where = {"source": "object"}
+        nodes = [{"type": "checker", "coordinates": where, "scale": 3.0}, {"type": "principledVolume", "density": {"node": 0, "output": "fac"}}]
+        _, _, around, _ = self.lowered(nodes)
+        self.assertEqual(max(around.grids[0].shape), 160)
+
+    def test_trilinear_meets_the_centres_and_lies_between(self):
+        values = np.random.default_rng(2).random((3, 4, 5))
+        z, y, x = np.indices(values.shape).reshape(3, -1)
+        centres = (np.stack([x, y, z], -1) + 0.5) / [5, 4, 3]
+        np.testing.assert_allclose(bake.trilinear(values, centres), values.ravel())
+        between = bake.trilinear(values, np.array([[0.2, 0.5 / 4, 0.5 / 3]]))
+        np.testing.assert_allclose(between, (values[0, 0, 0] + values[0, 0, 1]) / 2)
 
     def test_lines_of_channels_stay(self):
         nodes = [

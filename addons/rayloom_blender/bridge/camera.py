@@ -32,6 +32,12 @@ def _panorama(camera):
     elif kind == "FISHEYE_LENS_POLYNOMIAL":
         out["polynomial"] = [_setting(camera, f"fisheye_polynomial_k{k}", 0.0) for k in range(5)]
         out["fisheyeFov"] = _setting(camera, "fisheye_fov", math.pi)
+    elif kind == "CENTRAL_CYLINDRICAL":
+        out["cylinder"] = {
+            "longitude": [_setting(camera, f"central_cylindrical_range_u_{end}", v) for end, v in (("min", -math.pi), ("max", math.pi))],
+            "height": [_setting(camera, f"central_cylindrical_range_v_{end}", v) for end, v in (("min", -1.0), ("max", 1.0))],
+            "radius": _setting(camera, "central_cylindrical_radius", 1.0),
+        }
     elif kind.startswith("FISHEYE"):
         out["fisheyeFov"] = _setting(camera, "fisheye_fov", math.pi)
         out["fisheyeLens"] = _setting(camera, "fisheye_lens", 10.5)

@@ -29,6 +29,13 @@ _PASSES = {
     "use_pass_cryptomatte_material": "cryptoMaterial",
     "use_pass_cryptomatte_asset": "cryptoAsset",
 }
+# The same of the group that Cycles keeps at it.
+_CYCLES_PASSES = {
+    "use_pass_volume_direct": ("volumeDirect",),
+    "use_pass_volume_indirect": ("volumeIndirect",),
+    "pass_debug_sample_count": ("sampleCount",),
+    "denoising_store_passes": ("albedo", "normal", "depth"),
+}
 
 
 def settings_of(scene):
@@ -60,7 +67,12 @@ def border_of(render):
 
 def wanted_passes(view_layer):
     """The passes that a view layer asks for, by their names in the file."""
-    return [name for switch, name in _PASSES.items() if getattr(view_layer, switch, False)]
+    out = [name for switch, name in _PASSES.items() if getattr(view_layer, switch, False)]
+    cycles = getattr(view_layer, "cycles", None)
+    for switch, names in _CYCLES_PASSES.items():
+        if getattr(cycles, switch, False):
+            out += [name for name in names if name not in out]
+    return out
 
 
 def render_record(scene, view_layer):

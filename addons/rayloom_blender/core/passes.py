@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Passes: their names in the file, in the renderer's OpenEXR and in Blender."""
+"""Passes: their names in the scene's file, in the renderer's OpenEXR (docs/passes.md) and in Blender; Cryptomatte's manifest."""
+
+import hashlib
 
 # The file's name → (Blender's name, channels, kind as RenderEngine.register_pass wants it).
 PASSES = {
@@ -11,6 +13,7 @@ PASSES = {
     "uv": ("UV", "UVA", "VECTOR"),
     "objectId": ("IndexOB", "X", "VALUE"),
     "materialId": ("IndexMA", "X", "VALUE"),
+    "albedo": ("Denoising Albedo", "RGB", "COLOR"),
     "diffuseDirect": ("DiffDir", "RGB", "COLOR"),
     "diffuseIndirect": ("DiffInd", "RGB", "COLOR"),
     "diffuseColor": ("DiffCol", "RGB", "COLOR"),
@@ -20,29 +23,73 @@ PASSES = {
     "transmissionDirect": ("TransDir", "RGB", "COLOR"),
     "transmissionIndirect": ("TransInd", "RGB", "COLOR"),
     "transmissionColor": ("TransCol", "RGB", "COLOR"),
+    "volumeDirect": ("VolumeDir", "RGB", "COLOR"),
+    "volumeIndirect": ("VolumeInd", "RGB", "COLOR"),
     "emission": ("Emit", "RGB", "COLOR"),
     "environment": ("Env", "RGB", "COLOR"),
     "ambientOcclusion": ("AO", "RGB", "COLOR"),
+    "sampleCount": ("Debug Sample Count", "X", "VALUE"),
 }
+# The file's name → Blender's, before the number of the two ranks that a layer holds.
+CRYPTOMATTE = {"cryptoObject": "CryptoObject", "cryptoMaterial": "CryptoMaterial", "cryptoAsset": "CryptoAsset"}
+# Names that Blender's passes have besides in the renderer's file.
+_SAME = {"denoising normal": "normal", "denoising depth": "depth"}
+
+
+def registered(wanted, cryptomatte_ranks=6):
+    """What to register for the wanted passes (the file's names), Combined first: `(Blender's name, channels, kind)` each."""
+    out = [("Combined", "RGBA", "COLOR")]
+    for name in wanted:
+        if name in PASSES:
+            out.append(PASSES[name])
+        elif name in CRYPTOMATTE:
+            out += [(f"{CRYPTOMATTE[name]}{k:02}", "RGBA", "COLOR") for k in range((cryptomatte_ranks + 1) // 2)]
+    return out
 
 
 def find(picture, blender_name, channels):
     """The planes of a pass in the renderer's file, one for each channel; `None` where it has none.
 
-    Blender's multilayer names (`ViewLayer.Depth.Z`), short ones (`Depth.Z`), and the picture itself for Combined are known.
+    Blender's multilayer names (`ViewLayer.Depth.Z`), short ones (`Depth.Z`), and for Combined the picture of a file without layers are known.
     """
-    if blender_name == "Combined":
-        known = picture.channels
-        if not all(c in known for c in "RGB"):
-            return None
-        alpha = known.get("A")
-        rgb = [known[c] for c in "RGB"]
-        return [*rgb, alpha if alpha is not None else rgb[0] * 0.0 + 1.0]
+    wanted = blender_name.lower()
+    wanted = _SAME.get(wanted, wanted)
     for layer, planes in picture.layers().items():
-        if layer.rpartition(".")[2].lower() != blender_name.lower():
+        if layer.rpartition(".")[2].lower() != wanted:
             continue
-        if all(c in planes for c in channels):
-            return [planes[c] for c in channels]
-        if len(channels) == len(planes):
-            return [planes[c] for c in sorted(planes)]
-    return None
+        by_name = {name.upper(): plane for name, plane in planes.items()}
+        if all(c in by_name for c in channels):
+            return [by_name[c] for c in channels]
+    if blender_name != "Combined":
+        return None
+    known = picture.channels
+    if not all(c in known for c in "RGB"):
+        return None
+    alpha = known.get("A")
+    rgb = [known[c] for c in "RGB"]
+    return [*rgb, alpha if alpha is not None else rgb[0] * 0.0 + 1.0]
+
+
+def cryptomatte_fields(attributes, view_layer):
+    """Cryptomatte's fields for the header of Blender's file, from that of the renderer's: `{"cryptomatte/1a2b3c4/name": …}`.
+
+    The renderer calls its layer `ViewLayer`; the fields get the view layer's own name, and a key of it.
+    """
+    out = {}
+    for key, value in attributes.items():
+        parts = key.split("/")
+        if len(parts) != 3 or parts[0] != "cryptomatte" or parts[2] != "name":
+            continue
+        kind = _string(value).rpartition(".")[2]
+        name = f"{view_layer}.{kind}"
+        own = hashlib.md5(name.encode(), usedforsecurity=False).hexdigest()[:7]
+        out[f"cryptomatte/{own}/name"] = name
+        for field in ("hash", "conversion", "manifest"):
+            found = attributes.get(f"cryptomatte/{parts[1]}/{field}")
+            if found is not None:
+                out[f"cryptomatte/{own}/{field}"] = _string(found)
+    return out
+
+
+def _string(value):
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)

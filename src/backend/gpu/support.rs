@@ -67,6 +67,7 @@ fn first_obstacle(scene: &CompiledScene, settings: &RenderSettings) -> Option<St
         (scene.textures.finishes.iter().any(|f| f.reflection.exponent != 1.0), "reflection_exponent"),
         (scene.camera.blur.as_ref().is_some_and(|b| b.aperture != 0.0 && b.max_samples > 0), "focal blur"),
         (matches!(scene.camera.projection, Projection::Mesh { .. }), "mesh cameras"),
+        (matches!(scene.camera.projection, Projection::Panorama(_)), "panoramas of Blender's"),
         (nested_bounds(scene), "bounded_by inside bounded_by"),
     ];
     listed.iter().find(|(holds, _)| *holds).map(|(_, what)| (*what).to_owned())

@@ -156,7 +156,7 @@ impl Builder<'_> {
             return Ok(());
         }
         let own = match &self.extension {
-            Some(_) => rayloom::camera(self.doc, ix, world, self.options.aspect, self.sink)?,
+            Some(e) => rayloom::camera(self.doc, ix, world, self.options.aspect * e.pixel_aspect, self.sink)?,
             None => None,
         };
         self.scene.camera = match own {

@@ -30,5 +30,4 @@ pub use adaptive::{NoiseMap, STEP};
 pub use passes::manifests;
 pub use plan::PathPlan;
 pub use pov::left_out;
-pub use shadow::NEAR;
 pub use trace::{PathTracer, PixelResult};

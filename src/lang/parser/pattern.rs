@@ -422,7 +422,7 @@ impl Parser<'_> {
                 self.comma()?;
                 let radius = self.parse_float()?;
                 let (mut strength, mut falloff, mut inverse) = (1.0, 2.0, false);
-                let (mut repeat, mut turbulence) = (None, DVec3::ZERO);
+                let (mut repeat, mut turbulence): (Option<DVec3>, _) = (None, DVec3::ZERO);
                 while let Some(k) = self.peek_kw()? {
                     match k {
                         Kw::Strength => {
@@ -443,21 +443,22 @@ impl Parser<'_> {
                         }
                         Kw::Repeat => {
                             self.next()?;
-                            let mut v = self.parse_vector3()?;
-                            // Raised so that neighbouring holes stay apart, with what turbulence was given before.
-                            for i in 0..3 {
-                                if v[i] > 0.0 {
-                                    center[i] = f64::max(center[i], radius);
-                                    v[i] = f64::max(v[i], center[i] + radius + turbulence[i]);
-                                }
-                            }
-                            repeat = Some(v);
+                            repeat = Some(self.parse_vector3()?);
                         }
                         Kw::Turbulence => {
                             self.next()?;
                             turbulence = self.parse_vector3()?;
                         }
                         _ => break,
+                    }
+                    // Raised after either, so that neighbouring holes stay apart (measured: `repeat`, then `turbulence` raises twice).
+                    if let (Some(v), Kw::Repeat | Kw::Turbulence) = (&mut repeat, k) {
+                        for i in 0..3 {
+                            if v[i] > 0.0 {
+                                center[i] = f64::max(center[i], radius);
+                                v[i] = f64::max(v[i], center[i] + radius + turbulence[i]);
+                            }
+                        }
                     }
                 }
                 Warp::BlackHole { center, radius, strength, falloff, inverse, repeat, turbulence }

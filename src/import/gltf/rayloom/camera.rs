@@ -6,7 +6,7 @@ use super::record::Record;
 use super::{NAME, part};
 use crate::diag::Sink;
 use crate::math::{DAffine3, DVec3};
-use crate::scene::camera::{CameraPose, Lens};
+use crate::scene::camera::{CameraPose, Lens, Panorama};
 use crate::scene::{Camera, Projection};
 use std::f64::consts::PI;
 
@@ -64,7 +64,8 @@ pub(in super::super) fn camera(
             opening = 1.0;
         }
         "panorama" => {
-            (camera.projection, camera.direction, camera.right, camera.up) = (panorama(&r, sink)?, -z, x, y);
+            let film = if horizontal { [sensor, sensor / aspect] } else { [sensor * aspect, sensor] };
+            (camera.projection, camera.direction, camera.right, camera.up) = (panorama(&r, film, sink)?, -z, x, y);
         }
         other => return Err(r.wrong("type", format!("'{other}' is none of perspective, orthographic, panorama"))),
     }
@@ -95,30 +96,41 @@ fn axes(world: &DAffine3) -> Option<[DVec3; 3]> {
     Some([unit(DVec3::X)?, unit(DVec3::Y)?, unit(DVec3::Z)?])
 }
 
-fn panorama(r: &Record, sink: &mut Sink) -> Result<Projection, ImportError> {
-    let Some(p) = r.record("panorama")? else { return Ok(Projection::Spherical { horizontal_rad: 2.0 * PI, vertical_rad: PI }) };
-    let latitude = p.numbers::<2>("latitude")?.unwrap_or([-PI / 2.0, PI / 2.0]);
-    let longitude = p.numbers::<2>("longitude")?.unwrap_or([-PI, PI]);
-    let fov = p.positive_or("fisheyeFov", PI)?;
-    for key in ["fisheyeLens", "polynomial"] {
-        p.get(key);
+/// A panorama on a sensor of `width` x `height`, in millimetres.
+fn panorama(r: &Record, [width, height]: [f64; 2], sink: &mut Sink) -> Result<Projection, ImportError> {
+    let whole = |p: Option<&Record>| -> Result<Panorama, ImportError> {
+        let range = |key: &str, default: [f64; 2]| p.map_or(Ok(None), |p| p.numbers::<2>(key)).map(|v| v.unwrap_or(default));
+        Ok(Panorama::Equirectangular { longitude: range("longitude", [-PI, PI])?, latitude: range("latitude", [-PI / 2.0, PI / 2.0])? })
+    };
+    let Some(p) = r.record("panorama")? else { return Ok(Projection::Panorama(whole(None)?)) };
+    let angle_rad = p.positive_or("fisheyeFov", PI)?;
+    let lens = p.positive_or("fisheyeLens", 10.5)?.max(1e-3);
+    let coefficients = p.numbers::<5>("polynomial")?.unwrap_or_default();
+    let sensor = [width, height];
+    let mut cylinder = Panorama::Cylinder { longitude: [-PI, PI], height: [-1.0, 1.0], radius: 1.0 };
+    if let Some(c) = p.record("cylinder")? {
+        let (longitude, height) = (c.numbers::<2>("longitude")?.unwrap_or([-PI, PI]), c.numbers::<2>("height")?.unwrap_or([-1.0, 1.0]));
+        cylinder = Panorama::Cylinder { longitude, height, radius: c.positive_or("radius", 1.0)?.max(1e-6) };
+        c.finish()?;
     }
-    let whole = Projection::Spherical { horizontal_rad: longitude[1] - longitude[0], vertical_rad: latitude[1] - latitude[0] };
-    let projection = match p.text("type")?.unwrap_or("equirectangular") {
-        "equirectangular" => {
-            if (longitude[0] + longitude[1]).abs() > 1e-4 || (latitude[0] + latitude[1]).abs() > 1e-4 {
-                sink.note_once("rayloom: panorama", None, "a panorama that is not centred is centred");
-            }
-            whole
+    let all = whole(Some(&p))?;
+    let panorama = match p.text("type")?.unwrap_or("equirectangular") {
+        "equirectangular" => all,
+        "fisheyeEquidistant" => {
+            p.finish()?;
+            return Ok(Projection::Fisheye { angle_rad });
         }
-        "fisheyeEquidistant" => Projection::Fisheye { angle_rad: fov },
+        "fisheyeEquisolid" => Panorama::Equisolid { lens, angle_rad, sensor },
+        "fisheyePolynomial" => Panorama::Polynomial { coefficients, angle_rad, sensor },
+        "mirrorBall" => Panorama::MirrorBall,
+        "centralCylindrical" => cylinder,
         other => {
             sink.note_once("rayloom: panorama", None, format!("the panorama '{other}' is shown equirectangular"));
-            whole
+            all
         }
     };
     p.finish()?;
-    Ok(projection)
+    Ok(Projection::Panorama(panorama))
 }
 
 /// The same camera at world matrices `keys`.

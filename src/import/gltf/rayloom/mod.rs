@@ -51,6 +51,8 @@ pub(super) struct Extension<'a> {
     pictures: Pictures<'a>,
     style: CurveStyle,
     shutter: motion::Shutter,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f64,
 }
 
 /// Reads the record of the file; `None` when it has none. Settings and world go into `scene` at once.
@@ -81,8 +83,14 @@ pub(super) fn extension<'a>(doc: &'a Document<'a>, scene: &mut Scene, sink: &mut
         pictures: Pictures::new(doc, r.records("images")?)?,
         style: CurveStyle::Ribbon,
         shutter: motion::Shutter::default(),
+        pixel_aspect: 1.0,
     };
     if let Some(render) = r.record("render")? {
+        let [x, y] = render.numbers::<2>("pixelAspect")?.unwrap_or([1.0; 2]);
+        if !(x > 0.0 && y > 0.0) {
+            return Err(render.wrong("pixelAspect", "both numbers must be above 0"));
+        }
+        e.pixel_aspect = x / y;
         (e.style, e.shutter) = settings::settings(&render, scene, sink)?;
     }
     scene.environment = Some(match r.record("world")? {

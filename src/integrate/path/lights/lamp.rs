@@ -30,6 +30,8 @@ pub struct ReadyLamp {
     soft: f64,
     /// Half of an area's spread.
     half_spread: f64,
+    /// Cosine of the widest part of a spot's cone, which a scale may make elliptic.
+    widest: f64,
 }
 
 impl ReadyLamp {
@@ -50,6 +52,7 @@ impl ReadyLamp {
             cos_half: -1.0,
             soft: 0.0,
             half_spread: 0.5 * PI,
+            widest: -1.0,
         };
         match lamp.shape {
             LampShape::Point { radius, .. } | LampShape::Spot { radius, .. } => {
@@ -60,6 +63,10 @@ impl ReadyLamp {
                 if let LampShape::Spot { angle_rad, blend, .. } = lamp.shape {
                     ready.cos_half = (0.5 * angle_rad).cos();
                     ready.soft = (1.0 - ready.cos_half) * blend.clamp(0.0, 1.0);
+                    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|v| t.vector(v).length());
+                    // 1 / sqrt(1 + tan²) of the wider half axis.
+                    let tan = (0.5 * angle_rad).tan() * x.max(y) / z;
+                    ready.widest = if ready.cos_half > 0.0 { 1.0 / tan.hypot(1.0) } else { ready.cos_half.min(0.0) };
                 }
             }
             LampShape::Sun { angle_rad } => {
@@ -118,7 +125,7 @@ impl ReadyLamp {
     /// Cosine of the cone in which it shines.
     pub fn cone_cos(&self) -> f64 {
         match self.lamp.shape {
-            LampShape::Spot { .. } => self.cos_half,
+            LampShape::Spot { .. } => self.widest,
             LampShape::Area { .. } => self.half_spread.cos(),
             _ => -1.0,
         }
@@ -137,7 +144,8 @@ impl ReadyLamp {
     fn beam(&self, dir: DVec3) -> f64 {
         match self.lamp.shape {
             LampShape::Spot { .. } => {
-                let cos = dir.dot(self.axis);
+                // In the lamp's own space: its scale makes the cone elliptic.
+                let cos = -self.lamp.transform.inverse_vector(dir).normalize_or_zero().z;
                 if self.soft > 0.0 { smoothstep(0.0, 1.0, (cos - self.cos_half) / self.soft) } else { f64::from(cos > self.cos_half) }
             }
             LampShape::Area { .. } => self.spread_factor(dir.dot(self.axis)),

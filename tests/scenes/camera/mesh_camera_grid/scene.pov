@@ -9,7 +9,7 @@ global_settings { assumed_gamma 1.0 }
     smooth_triangle { A, -z, D, -z, C, -z uv_vectors <A.x, A.y>, <D.x, D.y>, <C.x, C.y> }
   #end #end
 }
-camera { mesh_camera { 1 3 mesh { M translate <-0.5, -0.5, 0> scale <4, 3, 1> translate -6*z } } location <0, 0, -0.01> direction -z }
+camera { mesh_camera { 1 3 mesh { M translate <-0.5, -0.5, 0> scale <4, 3, 1> translate -6*z } } location <0, 0, 0.01> direction z }
 plane { y, -1 pigment { checker rgb <0.85, 0.82, 0.75>, rgb <0.35, 0.4, 0.45> } finish { ambient 0.1 diffuse 0.7 } }
 light_source { <3, 5, -3> rgb 1 }
 sphere { 0, 0.7 pigment { rgb <0.8, 0.25, 0.2> } finish { phong 0.6 phong_size 60 } }

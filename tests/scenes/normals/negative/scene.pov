@@ -5,5 +5,5 @@ camera { location <1.6, 2.0, -4.2> look_at <0, 0.1, 0> angle 42 right 4/3*x }
 light_source { <4, 6, -5> rgb 0.9 }
 light_source { <-5, 3, -2> rgb <0.25, 0.27, 0.35> shadowless }
 plane { y, -1 pigment { checker rgb <0.85, 0.82, 0.75>, rgb <0.35, 0.4, 0.45> } finish { ambient 0.1 diffuse 0.7 } }
-sphere { <-0.8, 0, 0>, 0.9 pigment { rgb <0.8, 0.7, 0.55> } normal { dents -0.8 scale 0.3 } finish { phong 0.4 } }
-box { <0.3, -1, -0.5>, <1.6, 0.6, 0.7> pigment { rgb <0.8, 0.7, 0.55> } normal { dents -0.8 scale 0.3 } finish { phong 0.4 } rotate 10*y }
+sphere { <-0.8, 0, 0>, 0.9 pigment { rgb <0.8, 0.7, 0.55> } normal { dents -4 scale 0.2 } finish { phong 0.4 } }
+box { <0.3, -1, -0.5>, <1.6, 0.6, 0.7> pigment { rgb <0.8, 0.7, 0.55> } normal { dents -4 scale 0.2 } finish { phong 0.4 } rotate 10*y }

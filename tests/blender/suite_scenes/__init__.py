@@ -1,0 +1,1 @@
+"""Scenes of the picture suite that Cycles renders too: make.py."""
