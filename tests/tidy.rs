@@ -18,8 +18,8 @@ const RANKS: &[(&str, u8)] = &[
     ("film", 7),
     ("integrate", 8),
     ("backend", 9),
-    ("bench", 10),
     ("compare", 10),
+    ("bench", 11),
     ("job", 11),
     ("suite", 11),
 ];

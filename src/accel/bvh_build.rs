@@ -44,7 +44,7 @@ impl Bvh {
         let bounds = box_of(&refs);
         let mut tree = Subtree::default();
         if n > 0 {
-            let thin = 1e-6 * (0..3).map(|k| f64::from(bounds.hi[k]) - f64::from(bounds.lo[k])).fold(1e-30, f64::max);
+            let thin = 1e-6 * (0..3).map(|k| f64::from(bounds.hi[k]) - f64::from(bounds.lo[k])).fold(1e-100, f64::max);
             let mut b = Builder { intersect_cost: options.intersect_cost, max_leaf: options.max_leaf.max(1), thin, per_root_area: 1.0 };
             b.per_root_area = 1.0 / b.area(&bounds);
             let (child, count) = b.node(&mut refs, 0, &bounds, 0, &mut tree);

@@ -57,7 +57,7 @@ impl KdTree {
         let n = refs.len();
         let mut tree = Subtree::default();
         if n > 0 {
-            let thin = 1e-6 * (0..3).map(|k| f64::from(bounds.hi[k]) - f64::from(bounds.lo[k])).fold(1e-30, f64::max);
+            let thin = 1e-6 * (0..3).map(|k| f64::from(bounds.hi[k]) - f64::from(bounds.lo[k])).fold(1e-100, f64::max);
             let mut b = Builder {
                 prims,
                 intersect_cost: options.intersect_cost,
@@ -293,7 +293,8 @@ impl Sweep {
 /// Counts of edges in bins over a cell.
 struct Bins {
     lo: [f32; 3],
-    scale: [f32; 3],
+    /// Bins a unit; in double precision, or it would overflow in tiny cells.
+    scale: [f64; 3],
     hi: [f32; 3],
     starts: [[usize; N_BINS]; 3],
     ends: [[usize; N_BINS]; 3],
@@ -302,7 +303,7 @@ struct Bins {
 impl Bins {
     fn count(refs: &[PrimRef], cell: &BoxF) -> Self {
         let scale = std::array::from_fn(|k| {
-            let s = N_BINS as f32 / (cell.hi[k] - cell.lo[k]);
+            let s = N_BINS as f64 / (f64::from(cell.hi[k]) - f64::from(cell.lo[k]));
             if s.is_finite() { s } else { 0.0 }
         });
         let mut b = Self { lo: cell.lo, hi: cell.hi, scale, starts: [[0; N_BINS]; 3], ends: [[0; N_BINS]; 3] };
@@ -318,7 +319,7 @@ impl Bins {
 
     #[inline]
     fn bin(&self, axis: usize, v: f32) -> usize {
-        (((v - self.lo[axis]) * self.scale[axis]) as usize).min(N_BINS - 1)
+        (((f64::from(v) - f64::from(self.lo[axis])) * self.scale[axis]) as usize).min(N_BINS - 1)
     }
 
     /// Lower end of bin `b`, when it lies inside the cell.

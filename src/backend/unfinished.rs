@@ -29,7 +29,10 @@ pub(super) fn clear(film: &mut Film, [x0, y0, x1, y1]: Block) {
     }
 }
 
-/// Joins the mean of `n` samples to those that a pixel of a film without passes has.
+/// Joins the mean of `n` samples to those that a pixel of a film without passes has. A colour that is no number counts as black, or it
+/// would spread.
 pub(super) fn add_samples(film: &mut Film, at: usize, color: Sample, n: u32) {
+    let [.., alpha] = color;
+    let color = if color.iter().all(|v| v.is_finite()) { color } else { [0.0, 0.0, 0.0, if alpha.is_finite() { alpha } else { 1.0 }] };
     film.join(at, PixelSamples { color, layers: &[], n, earlier: false });
 }

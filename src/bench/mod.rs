@@ -3,6 +3,7 @@
 pub mod accel;
 mod chart;
 mod rays;
+pub mod stability;
 
 pub use chart::bar_chart;
 pub use rays::{RAY_KINDS, RaySets};

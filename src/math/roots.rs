@@ -208,6 +208,23 @@ impl<const N: usize> Term<N> {
     fn eval(&self, x: f64) -> f64 {
         self.c[..=self.order].iter().fold(0.0, |v, c| v * x + c)
     }
+
+    /// The one root in `low..=high` after steps of Newton's method, as long as they bring the value nearer to 0.
+    fn polished(&self, mut x: f64, low: f64, high: f64) -> f64 {
+        for _ in 0..3 {
+            let (mut value, mut slope) = (0.0, 0.0);
+            for c in &self.c[..=self.order] {
+                slope = slope * x + value;
+                value = value * x + c;
+            }
+            let next = x - value / slope;
+            if !((low..=high).contains(&next) && self.eval(next).abs() < value.abs()) {
+                break;
+            }
+            x = next;
+        }
+        x
+    }
 }
 
 /// Roots between 0 and `far`, each once, by counting sign changes of a Sturm chain and closing in on every root.
@@ -311,7 +328,7 @@ fn isolate<const N: usize>(
     let mid = 0.5 * (low + high);
     if n == 1 {
         match regula_falsi(p, low, high) {
-            Some(x) => out.add(x),
+            Some(x) => out.add(p.polished(x, low, high)),
             None => {
                 // No sign change (a double root): close in by counting.
                 let (mut low, mut high) = (low, high);

@@ -1,9 +1,9 @@
 //! Trees broken on purpose: what finds no fault in good trees must find one in each of these.
 
-use crate::geometry::{ball, soup};
-use crate::oracle::{Faults, Oracle, build};
-use crate::rays::RaySource;
 use rayloom::accel::{Accel, AccelKind, BVH_LEAF, Bvh, KdNode, KdTree};
+use rayloom::bench::stability::meshes::{ball, soup};
+use rayloom::bench::stability::oracle::{Faults, Oracle, build};
+use rayloom::bench::stability::ray_source::RaySource;
 
 /// Faults of a tree over a ball, before and after `damage`.
 pub fn faults_of(kind: AccelKind, damage: impl FnOnce(&mut Accel)) -> Faults {

@@ -1,9 +1,9 @@
 //! Geometry and rays that make no sense: no panic, no hang, a bounded tree, and what makes sense beside them is still hit.
 
-use crate::geometry::{Triangles, soup};
-use crate::oracle::{Faults, Oracle, build};
-use crate::rays::RaySource;
 use rayloom::accel::{Accel, AccelKind, AccelOptions, NO_PRIM, PrimSet};
+use rayloom::bench::stability::meshes::{Triangles, soup};
+use rayloom::bench::stability::oracle::{Faults, Oracle, build};
+use rayloom::bench::stability::ray_source::RaySource;
 use rayloom::math::random::SplitMix64;
 use rayloom::math::{Bounds, DVec3, Ray, Vec3};
 use std::time::Instant;

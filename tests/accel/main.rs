@@ -5,9 +5,6 @@
 mod broken;
 mod broken_more;
 mod garbage;
-mod geometry;
-mod oracle;
-mod rays;
 mod scene;
 mod trees;
 mod watertight;

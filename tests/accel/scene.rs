@@ -1,9 +1,9 @@
 //! Primitives of many kinds in a compiled scene: hits and shadows do not depend on the tree.
 
 use crate::TREES;
-use crate::geometry::Triangles;
-use crate::rays::RaySource;
 use rayloom::accel::AccelKind;
+use rayloom::bench::stability::meshes::Triangles;
+use rayloom::bench::stability::ray_source::RaySource;
 use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
 use rayloom::diag::Sink;
 use rayloom::kernel::traverse::{MIN_DEPTH, ShadowHit, intersect, intersect_shadow};
@@ -16,7 +16,7 @@ const N_RAYS: usize = 1_000_000;
 
 fn objects() -> Vec<Object> {
     let mut r = SplitMix64(41);
-    let soup = crate::geometry::soup(30, 0.3, 43);
+    let soup = rayloom::bench::stability::meshes::soup(30, 0.3, 43);
     let mesh = Arc::new(Mesh { vertices: soup.vertices, faces: soup.faces, ..Mesh::default() });
     (0..120)
         .map(|k| {

@@ -1,10 +1,10 @@
 //! Every structure gives brute force's hits.
 
 use crate::TREES;
-use crate::geometry::*;
-use crate::oracle::{Faults, Oracle, build};
-use crate::rays::RaySource;
 use rayloom::accel::{Accel, AccelKind, AccelOptions, BoxF, Bvh, KdTree, NO_PRIM, TrianglePrims};
+use rayloom::bench::stability::meshes::*;
+use rayloom::bench::stability::oracle::{Faults, Oracle, build};
+use rayloom::bench::stability::ray_source::RaySource;
 use rayloom::math::Ray;
 
 const N_RAYS: usize = 1_000_000;

@@ -1,7 +1,7 @@
 //! Closed meshes do not leak: every ray from inside meets a face, as the kernel tests them.
 
-use crate::geometry::{FAR_AWAY, Triangles, ball, tetrahedron};
 use rayloom::accel::AccelKind;
+use rayloom::bench::stability::meshes::{FAR_AWAY, Triangles, ball, tetrahedron};
 use rayloom::compile::shape::MeshShape;
 use rayloom::kernel::intersect::mesh::intersect_mesh;
 use rayloom::kernel::intersect::{HitSink, LocalRay, Part};

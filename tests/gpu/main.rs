@@ -2,15 +2,10 @@
 //! Skipped with a line where no adapter exists, unless `RAYLOOM_REQUIRE_GPU=1`.
 #![cfg(feature = "gpu")]
 
-#[path = "../accel/geometry.rs"]
-#[expect(dead_code, reason = "shared with the tests of accel")]
-mod geometry;
 mod lost;
 mod pictures;
 mod probes;
 mod probes_texture;
-#[path = "../accel/rays.rs"]
-mod rays;
 mod structures;
 
 /// What stands on a device: missing is a failure only where one is required.

@@ -1,11 +1,11 @@
 //! Every structure on the device gives brute force's hits: degenerate rays among them. Trees broken on purpose do not.
 
 use crate::found;
-use crate::geometry::{Triangles, ball, flat, needles, nested_boxes, soup, teapot_in_stadium, terrain, tetrahedron};
-use crate::rays::RaySource;
 use rayloom::accel::{Accel, AccelKind, STRUCTURES};
 use rayloom::backend::gpu::ray_bench::{BenchRay, RayBench};
 use rayloom::backend::gpu::{Gpu, GpuOptions};
+use rayloom::bench::stability::meshes::{Triangles, ball, flat, needles, nested_boxes, soup, teapot_in_stadium, terrain, tetrahedron};
+use rayloom::bench::stability::ray_source::RaySource;
 use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
 use rayloom::diag::Sink;
 use rayloom::math::random::SplitMix64;

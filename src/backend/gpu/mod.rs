@@ -51,7 +51,17 @@ pub struct GpuBackend {
 impl GpuBackend {
     /// Opens the first device that will do.
     pub fn new(options: &GpuOptions) -> Result<Self, BackendError> {
-        Ok(Self { gpu: Gpu::new(options)? })
+        Ok(Self::on(Gpu::new(options)?))
+    }
+
+    /// On a device that is open.
+    pub fn on(gpu: Gpu) -> Self {
+        Self { gpu }
+    }
+
+    /// Its device.
+    pub fn into_device(self) -> Gpu {
+        self.gpu
     }
 
     /// Takes the device away, as a driver's reset does: every render that runs on it ends with an error. For tests of just that.

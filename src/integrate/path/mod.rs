@@ -30,4 +30,5 @@ pub use adaptive::{NoiseMap, STEP};
 pub use passes::manifests;
 pub use plan::PathPlan;
 pub use pov::left_out;
+pub use shadow::NEAR;
 pub use trace::{PathTracer, PixelResult};

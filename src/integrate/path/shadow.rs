@@ -8,7 +8,7 @@ use crate::kernel::traverse::{ShadowHit, intersect_shadow_at};
 use crate::math::{DVec3, Ray, Rgb, Vec3};
 
 /// Rays do not see what is nearer than this to where they start. Meshes are tested in double precision on exact vertices.
-pub(super) const NEAR: f64 = 1e-6;
+pub const NEAR: f64 = 1e-6;
 
 impl PathPlan<'_> {
     /// Share of light that comes through between `from` and `from + dir * distance`. `last` remembers what blocked a ray before.

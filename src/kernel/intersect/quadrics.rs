@@ -16,16 +16,37 @@ fn push(t: f64, face: u32, sink: &mut impl HitSink) {
     }
 }
 
-#[inline]
-fn push_caps(low: f64, low_radius: f64, ray: &LocalRay, sink: &mut impl HitSink) {
-    if ray.dir.z.abs() <= EPSILON {
-        return;
+/// A stretch of a ray, and the faces that it begins and ends on.
+#[derive(Clone, Copy)]
+struct Stretch {
+    from: (f64, u32),
+    to: (f64, u32),
+}
+
+impl Stretch {
+    /// Between the discs at z = `low` and z = 1; the whole ray or nothing where it runs along them.
+    fn between_discs(low: f64, ray: &LocalRay) -> Option<Self> {
+        let (o, d) = (ray.origin.z, ray.dir.z);
+        if d.abs() <= EPSILON {
+            let all = Self { from: (f64::NEG_INFINITY, 1), to: (f64::INFINITY, 2) };
+            return (low..=1.0).contains(&o).then_some(all);
+        }
+        let (a, b) = (((low - o) / d, 1), ((1.0 - o) / d, 2));
+        Some(if d > 0.0 { Self { from: a, to: b } } else { Self { from: b, to: a } })
     }
-    for (z, r, face) in [(1.0, 1.0, 2), (low, low_radius, 1)] {
-        let t = (z - ray.origin.z) / ray.dir.z;
-        let (x, y) = (ray.origin.x + t * ray.dir.x, ray.origin.y + t * ray.dir.y);
-        if x * x + y * y <= r * r {
-            push(t, face, sink);
+
+    /// Pushes where the part of this stretch within `from..=to` of the side begins and ends. A solid is left as often as it is entered:
+    /// side and discs are not asked one by one, or at the rim both or neither might say yes.
+    fn push_within(&self, from: f64, to: f64, open: bool, sink: &mut impl HitSink) {
+        let enter = if from >= self.from.0 { (from, 0) } else { self.from };
+        let leave = if to <= self.to.0 { (to, 0) } else { self.to };
+        if enter.0 <= leave.0 {
+            for (t, face) in [enter, leave] {
+                // The ends of an open one are no faces.
+                if face == 0 || !open {
+                    push(t, face, sink);
+                }
+            }
         }
     }
 }
@@ -33,24 +54,19 @@ fn push_caps(low: f64, low_radius: f64, ray: &LocalRay, sink: &mut impl HitSink)
 /// Side and, unless open, end discs.
 #[inline]
 pub fn intersect_cylinder(s: &CylinderShape, ray: &LocalRay, sink: &mut impl HitSink) {
+    let Some(stretch) = Stretch::between_discs(0.0, ray) else { return };
     let (o, d) = (ray.origin, ray.dir);
     let a = d.x * d.x + d.y * d.y;
+    let c = o.x * o.x + o.y * o.y - 1.0;
     if a > EPSILON {
         let b = o.x * d.x + o.y * d.y;
-        let c = o.x * o.x + o.y * o.y - 1.0;
         let disc = b * b - a * c;
         if disc >= 0.0 {
             let root = disc.sqrt();
-            for t in [(-b - root) / a, (-b + root) / a] {
-                let z = o.z + t * d.z;
-                if (0.0..=1.0).contains(&z) {
-                    push(t, 0, sink);
-                }
-            }
+            stretch.push_within((-b - root) / a, (-b + root) / a, s.open, sink);
         }
-    }
-    if !s.open {
-        push_caps(0.0, 1.0, ray, sink);
+    } else if c <= 0.0 {
+        stretch.push_within(f64::NEG_INFINITY, f64::INFINITY, s.open, sink);
     }
 }
 
@@ -78,27 +94,31 @@ pub fn intersect_cone(s: &ConeShape, ray: &LocalRay, sink: &mut impl HitSink) {
     let a = d.x * d.x + d.y * d.y - d.z * d.z;
     let b = d.x * o.x + d.y * o.y - d.z * o.z;
     let c = o.x * o.x + o.y * o.y - o.z * o.z;
-    let mut side = |t: f64| {
-        let z = o.z + t * d.z;
-        if (s.low..=1.0).contains(&z) {
-            push(t, 0, sink);
-        }
-    };
+    let Some(stretch) = Stretch::between_discs(s.low, ray) else { return };
+    let mut within = |from: f64, to: f64| stretch.push_within(from, to, s.open, sink);
     if a.abs() < EPSILON {
-        // One crossing: the ray runs along the cone's slope.
+        // One crossing: the ray runs along the cone's slope, inside on one side of it.
         if b.abs() > EPSILON {
-            side(-0.5 * c / b);
+            let t = -0.5 * c / b;
+            if b > 0.0 { within(f64::NEG_INFINITY, t) } else { within(t, f64::INFINITY) }
+        } else if c <= 0.0 {
+            within(f64::NEG_INFINITY, f64::INFINITY);
         }
-    } else {
-        let disc = b * b - a * c;
-        if disc >= 0.0 {
-            let root = disc.sqrt();
-            side((-b - root) / a);
-            side((-b + root) / a);
-        }
+        return;
     }
-    if !s.open {
-        push_caps(s.low, s.low, ray, sink);
+    let disc = b * b - a * c;
+    if disc >= 0.0 {
+        let root = disc.sqrt();
+        let (t0, t1) = ((-b - root) / a, (-b + root) / a);
+        if a > 0.0 {
+            within(t0, t1);
+        } else {
+            // Steeper than the slope: inside the cone below the one root, inside its mirror image above the other, or the reverse.
+            within(f64::NEG_INFINITY, t1);
+            within(t0, f64::INFINITY);
+        }
+    } else if a < 0.0 {
+        within(f64::NEG_INFINITY, f64::INFINITY);
     }
 }
 

@@ -7,6 +7,9 @@ use crate::math::{DVec2, DVec3, EPSILON, MAX_DISTANCE};
 /// Hits nearer than this are not seen.
 const TOLERANCE: f64 = 1e-6;
 
+/// Square of the distance, in radii, from which on a sphere is far away.
+const FAR_SQ: f64 = 1024.0;
+
 /// Both crossings of a sphere; grazing rays miss.
 #[inline]
 pub fn intersect_sphere(s: &SphereShape, ray: &LocalRay, sink: &mut impl HitSink) {
@@ -17,7 +20,14 @@ pub fn intersect_sphere(s: &SphereShape, ray: &LocalRay, sink: &mut impl HitSink
     if oc_sq >= r_sq && closest < EPSILON {
         return;
     }
-    let half_sq = r_sq - oc_sq + closest * closest;
+    let half_sq = if oc_sq > FAR_SQ * r_sq {
+        // From the way that the ray passes by: the difference of squared distances loses what matters. Source: Haines, Günther and
+        // Akenine-Möller 2019.
+        r_sq - (to_center - closest * ray.dir).length_squared()
+    } else {
+        // POV-Ray's sum, rounding and all: media and streams of random numbers depend on it.
+        r_sq - oc_sq + closest * closest
+    };
     if half_sq > EPSILON {
         let half = half_sq.sqrt();
         for t in [closest - half, closest + half] {

@@ -14,9 +14,6 @@ const ROOT_TOLERANCE: f64 = 1e-4;
 
 /// Up to four crossings.
 pub fn intersect_torus(s: &TorusShape, ray: &LocalRay, sink: &mut impl HitSink) {
-    if misses_thick_cylinder(s, ray) {
-        return;
-    }
     let (r1, r2) = (s.major * s.major, s.minor * s.minor);
     // Start at the sphere around the torus when it lies ahead.
     let reach = s.major + 2.0 * s.minor;
@@ -35,6 +32,10 @@ pub fn intersect_torus(s: &TorusShape, ray: &LocalRay, sink: &mut impl HitSink) 
         origin += skipped * ray.dir;
     }
     let d = ray.dir;
+    // From nearby: far away the differences of squares in it would turn rays off that graze.
+    if misses_thick_cylinder(s, origin, d) {
+        return;
+    }
     let py2 = origin.y * origin.y;
     let dy2 = d.y * d.y;
     let pdy2 = origin.y * d.y;
@@ -50,8 +51,7 @@ pub fn intersect_torus(s: &TorusShape, ray: &LocalRay, sink: &mut impl HitSink) 
 }
 
 /// Whether a ray misses the ring of height ±minor between the torus' inner and outer radius.
-fn misses_thick_cylinder(s: &TorusShape, ray: &LocalRay) -> bool {
-    let (o, d) = (ray.origin, ray.dir);
+fn misses_thick_cylinder(s: &TorusShape, o: DVec3, d: DVec3) -> bool {
     let outer_sq = (s.major + s.minor).powi(2);
     let inner = (s.major - s.minor).max(0.0);
     let inner_sq = inner * inner;

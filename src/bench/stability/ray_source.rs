@@ -1,9 +1,9 @@
 //! Rays that find faults: random ones, and those along axes, in planes, through vertices and edges, from the tree's own planes.
 
-use crate::geometry::Triangles;
-use rayloom::accel::{Accel, AccelKind, AccelOptions, TrianglePrims};
-use rayloom::math::random::SplitMix64;
-use rayloom::math::{Bounds, DVec3, Ray};
+use super::meshes::Triangles;
+use crate::accel::{Accel, AccelKind, AccelOptions, TrianglePrims};
+use crate::math::random::SplitMix64;
+use crate::math::{Bounds, DVec3, Ray};
 
 /// Endless rays of ten kinds in turn, around triangles and planes.
 pub struct RaySource<'a> {
@@ -13,9 +13,16 @@ pub struct RaySource<'a> {
     planes: Vec<(usize, f64)>,
     numbers: SplitMix64,
     count: usize,
+    kinds: Vec<usize>,
 }
 
+/// Kinds of rays that run along axes, or in planes that trees divide space by.
+pub const AXIS_RAYS: [usize; 5] = [4, 5, 8, 9, 10];
+/// Kinds of rays that run in the planes of faces, or along edges.
+pub const PLANE_RAYS: [usize; 3] = [4, 6, 7];
+
 impl<'a> RaySource<'a> {
+    /// Rays for a mesh.
     pub fn new(mesh: &'a Triangles, seed: u64) -> Self {
         let prims = TrianglePrims { vertices: &mesh.vertices, faces: &mesh.faces };
         let planes = match Accel::build(AccelKind::Kd, &prims, &AccelOptions::default()) {
@@ -23,7 +30,13 @@ impl<'a> RaySource<'a> {
             _ => Vec::new(),
         };
         let bounds = Bounds::from_points(mesh.vertices.iter().map(|v| v.as_dvec3()));
-        Self { mesh, bounds, planes, numbers: SplitMix64(seed), count: 0 }
+        Self { mesh, bounds, planes, numbers: SplitMix64(seed), count: 0, kinds: (0..10).collect() }
+    }
+
+    /// Only rays of these kinds: 0 to 9 as they come in turn, 10 for rays in a plane of a vertex.
+    pub fn only(mut self, kinds: &[usize]) -> Self {
+        self.kinds = kinds.to_vec();
+        self
     }
 
     /// In the box, somewhat grown.
@@ -61,7 +74,8 @@ impl<'a> RaySource<'a> {
         self.count += 1;
         let size = self.bounds.size().max_element();
         let direction = self.numbers.direction();
-        match self.count % 10 {
+        let kind = self.kinds[self.count % self.kinds.len()];
+        match kind {
             // From outside to somewhere in the box; from inside anywhere.
             0 => {
                 let from = self.bounds.center() + direction * size * 3.0;
@@ -108,7 +122,7 @@ impl<'a> RaySource<'a> {
                 let (axis, at) = self.planes[self.numbers.below(self.planes.len())];
                 let mut from = self.place();
                 from[axis] = at;
-                let d = if self.count % 10 == 8 { self.flattened(direction, axis) } else { direction };
+                let d = if kind == 8 { self.flattened(direction, axis) } else { direction };
                 Ray::new(from, d)
             }
             // Parallel to an axis plane, in the plane of a vertex.

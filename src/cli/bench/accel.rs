@@ -1,7 +1,7 @@
-//! `rayloom bench`: measurements on this machine.
+//! `rayloom bench accel`: structures side by side.
 
-use super::console::{print_error, style};
-use clap::{Args, Subcommand};
+use crate::cli::console::{print_error, style};
+use clap::Args;
 use rayloom::accel::{AccelKind, STRUCTURES};
 use rayloom::bench::accel::{AccelBench, Row, Subject, run as measure};
 use rayloom::bench::{RAY_KINDS, bar_chart};
@@ -11,29 +11,16 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Arguments of `rayloom bench`.
-#[derive(Debug, Args)]
-pub struct BenchArgs {
-    #[command(subcommand)]
-    what: What,
-}
-
-#[derive(Debug, Subcommand)]
-enum What {
-    /// Every acceleration structure on every device: build time, memory, work a ray, rays a second (docs/gpu.md)
-    Accel(AccelArgs),
-}
-
 /// Arguments of `rayloom bench accel`.
 #[derive(Debug, Args)]
-struct AccelArgs {
+pub(super) struct AccelArgs {
     /// Scene or model; meshes are joined into one
     scene: PathBuf,
     /// Only these structures, the first of which the others are held against: bvh,kd,wide
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::builder::PossibleValuesParser::new(STRUCTURES.iter().map(|s| s.name)))]
     against: Vec<String>,
     /// Picture whose rays are traced; a large GPU wants 2048x2048
-    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = super::render::parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = crate::cli::render::parse_size)]
     size: (u32, u32),
     /// Look from the middle of the scene instead of from its camera: for rooms
     #[arg(long)]
@@ -56,20 +43,7 @@ struct AccelArgs {
 }
 
 /// Runs it.
-pub fn run(args: &BenchArgs) -> ExitCode {
-    let What::Accel(args) = &args.what;
-    match accel(args) {
-        Ok(code) => code,
-        Err(e) => {
-            if !matches!(e, JobError::Scene) {
-                print_error(&e.to_string());
-            }
-            ExitCode::from(e.exit_code())
-        }
-    }
-}
-
-fn accel(args: &AccelArgs) -> Result<ExitCode, JobError> {
+pub(super) fn run(args: &AccelArgs) -> Result<ExitCode, JobError> {
     let (mut map, mut sink) = (SourceMap::default(), Sink::default());
     let loaded = load_scene(&args.scene, &args.library, &mut map, &mut sink);
     for d in sink.drain().iter().filter(|d| d.severity == Severity::Error) {

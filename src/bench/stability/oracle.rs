@@ -1,10 +1,10 @@
 //! Brute force, and how a tree is held against it.
 
-use crate::geometry::Triangles;
-use rayloom::accel::{Accel, AccelKind, AccelOptions, TrianglePrims};
-use rayloom::kernel::intersect::LocalRay;
-use rayloom::kernel::intersect::mesh::ShearedRay;
-use rayloom::math::{Ray, Vec3};
+use super::meshes::Triangles;
+use crate::accel::{Accel, AccelKind, AccelOptions, TrianglePrims};
+use crate::kernel::intersect::LocalRay;
+use crate::kernel::intersect::mesh::ShearedRay;
+use crate::math::{Ray, Vec3};
 
 /// Nearer hits do not count: a ray that starts on a face would be decided by the last bit.
 const T_MIN: f64 = 1e-9;
@@ -18,7 +18,9 @@ pub struct Oracle {
 /// A depth (infinite for a miss) and how far it may be off.
 #[derive(Clone, Copy)]
 pub struct Truth {
+    /// Depth.
     pub t: f64,
+    /// Of the depth.
     pub error: f64,
 }
 
@@ -36,8 +38,24 @@ pub struct Faults {
 }
 
 impl Faults {
+    /// Nothing is wrong.
     pub fn none(&self) -> bool {
         *self == Faults::default()
+    }
+
+    /// Faults of all kinds.
+    pub fn count(&self) -> usize {
+        self.missed + self.farther + self.unblocked + self.invented
+    }
+
+    /// Of both.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            missed: self.missed + other.missed,
+            farther: self.farther + other.farther,
+            unblocked: self.unblocked + other.unblocked,
+            invented: self.invented + other.invented,
+        }
     }
 
     /// Whether hits are lost.
@@ -46,11 +64,13 @@ impl Faults {
     }
 }
 
+/// A tree over a mesh.
 pub fn build(kind: AccelKind, mesh: &Triangles) -> Accel {
     Accel::build(kind, &TrianglePrims { vertices: &mesh.vertices, faces: &mesh.faces }, &AccelOptions::default())
 }
 
 impl Oracle {
+    /// For a mesh.
     pub fn new(mesh: &Triangles) -> Self {
         let corners: Vec<[Vec3; 3]> = mesh.faces.iter().map(|f| f.map(|v| mesh.vertices[v as usize])).collect();
         let scale = corners.iter().flatten().fold(0.0, |m: f64, p| m.max(p.abs().max_element().into()));
@@ -86,11 +106,16 @@ impl Oracle {
 
     /// The nearest depth that `tree` finds.
     pub fn closest(&self, tree: &Accel, ray: &Ray) -> f64 {
+        self.closest_above(tree, ray, T_MIN)
+    }
+
+    /// The nearest depth above `t_min` that `tree` finds.
+    pub fn closest_above(&self, tree: &Accel, ray: &Ray, t_min: f64) -> f64 {
         let sheared = sheared(ray);
         let mut best = f64::INFINITY;
         tree.closest(ray, 0.0, f64::INFINITY, |prim, far| {
             let (t, ..) = sheared.hit(&self.corners[prim as usize])?;
-            (t > T_MIN && t < far).then(|| {
+            (t > t_min && t < far).then(|| {
                 best = best.min(t);
                 t
             })

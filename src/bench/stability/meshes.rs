@@ -1,33 +1,39 @@
-//! Generated meshes, the same every time.
+//! Generated meshes, the same every time: closed ones, and such as trees have trouble with.
 
-use rayloom::math::random::SplitMix64;
-use rayloom::math::{DVec3, Vec3};
+use crate::math::random::SplitMix64;
+use crate::math::{DVec3, Vec3};
 use std::collections::HashMap;
 
 /// Triangles over shared vertices.
-#[derive(Clone, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Triangles {
+    /// Corners.
     pub vertices: Vec<Vec3>,
+    /// Three corners each.
     pub faces: Vec<[u32; 3]>,
 }
 
 impl Triangles {
+    /// Corners of a face.
     pub fn corners(&self, face: usize) -> [DVec3; 3] {
         self.faces[face].map(|v| self.vertices[v as usize].as_dvec3())
     }
 
+    /// A face with corners of its own.
     pub fn add(&mut self, corners: [DVec3; 3]) {
         let base = self.vertices.len() as u32;
         self.vertices.extend(corners.map(|p| p.as_vec3()));
         self.faces.push([base, base + 1, base + 2]);
     }
 
+    /// All faces of another.
     pub fn append(&mut self, other: &Triangles) {
         let base = self.vertices.len() as u32;
         self.vertices.extend(&other.vertices);
         self.faces.extend(other.faces.iter().map(|f| f.map(|v| v + base)));
     }
 
+    /// With every corner moved.
     pub fn mapped(mut self, f: impl Fn(DVec3) -> DVec3) -> Self {
         self.vertices.iter_mut().for_each(|v| *v = f(v.as_dvec3()).as_vec3());
         self
@@ -45,6 +51,7 @@ impl Triangles {
     }
 }
 
+/// Faces anywhere in -1..1, up to `size` large.
 pub fn soup(n: usize, size: f64, seed: u64) -> Triangles {
     let (mut r, mut t) = (SplitMix64(seed), Triangles::default());
     for _ in 0..n {
@@ -124,6 +131,7 @@ pub fn grid(n: u32, at: impl Fn(f64, f64) -> DVec3) -> Triangles {
     Triangles { vertices, faces }
 }
 
+/// Hills, `2 n²` faces.
 pub fn terrain(n: u32) -> Triangles {
     grid(n, |a, b| DVec3::new(4.0 * a - 2.0, 0.4 * (7.0 * a).sin() * (9.0 * b).cos(), 4.0 * b - 2.0))
 }

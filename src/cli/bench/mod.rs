@@ -1,0 +1,41 @@
+//! `rayloom bench`: measurements on this machine.
+
+mod accel;
+mod stability;
+
+use super::console::print_error;
+use clap::{Args, Subcommand};
+use rayloom::job::JobError;
+use std::process::ExitCode;
+
+/// Arguments of `rayloom bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Every acceleration structure on every device: build time, memory, work a ray, rays a second (docs/gpu.md)
+    Accel(accel::AccelArgs),
+    /// Where renderers break: 24 cases, each a figure against its bar, on the CPU and every GPU (docs/stability.md)
+    Stability(stability::StabilityArgs),
+}
+
+/// Runs it.
+pub fn run(args: &BenchArgs) -> ExitCode {
+    let result = match &args.what {
+        What::Accel(args) => accel::run(args),
+        What::Stability(args) => stability::run(args),
+    };
+    match result {
+        Ok(code) => code,
+        Err(e) => {
+            if !matches!(e, JobError::Scene) {
+                print_error(&e.to_string());
+            }
+            ExitCode::from(e.exit_code())
+        }
+    }
+}

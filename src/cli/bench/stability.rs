@@ -1,0 +1,90 @@
+//! `rayloom bench stability`: the stress table.
+
+use crate::cli::console::print_error;
+use clap::Args;
+use rayloom::bench::stability::{CASES, Effort, Figure, run as measure};
+use rayloom::job::JobError;
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Arguments of `rayloom bench stability`.
+#[derive(Debug, Args)]
+pub(super) struct StabilityArgs {
+    /// Only these cases: 1,2,15
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=CASES.len() as i64))]
+    only: Vec<u32>,
+    /// Rays of the cheapest cases; the others take their share. 1e9 for the whole, a million takes minutes
+    #[arg(long, value_name = "N", default_value = "1e6", value_parser = parse_rays)]
+    rays: u64,
+    /// Which machines
+    #[arg(long, default_value = "all", value_parser = ["all", "cpu"])]
+    devices: String,
+    /// Write the figures as CSV
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+}
+
+fn parse_rays(text: &str) -> Result<u64, String> {
+    match text.parse::<f64>() {
+        Ok(n) if (1.0..=1e12).contains(&n) => Ok(n as u64),
+        _ => Err("a number of rays from 1 to 1e12 is expected".into()),
+    }
+}
+
+/// Runs it. Exit code 1 where a figure misses its bar for no known reason.
+pub(super) fn run(args: &StabilityArgs) -> Result<ExitCode, JobError> {
+    let effort = Effort { rays: args.rays, gpus: args.devices == "all" };
+    let mut last = 0;
+    let figures = measure(&args.only, effort, &mut |f| {
+        if f.case != last {
+            last = f.case;
+            let case = CASES.iter().find(|c| c.number == f.case).expect("figures belong to cases");
+            println!("{:>2} {}", case.number, case.name);
+        }
+        println!("{}", line(f));
+    });
+    let missed = figures.iter().filter(|f| !f.passes()).count();
+    let known = figures.iter().filter(|f| !f.holds() && f.passes()).count();
+    println!("{} figures, {missed} beyond their bar, {known} more for known reasons", figures.len());
+    if let Some(path) = &args.csv
+        && let Err(e) = std::fs::write(path, csv(&figures))
+    {
+        print_error(&format!("cannot write '{}': {e}", path.display()));
+        return Ok(ExitCode::from(4));
+    }
+    Ok(ExitCode::from(u8::from(missed > 0)))
+}
+
+fn line(f: &Figure) -> String {
+    let verdict = match (f.holds(), f.known) {
+        (true, _) => "ok   ",
+        (false, Some(_)) => "known",
+        (false, None) => "MISS ",
+    };
+    format!("   {verdict} {:>10} (bar {:>7}) of {:<11} {}: {}", number(f.value), number(f.bar), f.of, f.machine, f.what)
+}
+
+/// Whole numbers as such, others with three digits that count.
+fn number(v: f64) -> String {
+    if v == v.trunc() && v.abs() < 1e9 { format!("{v}") } else { format!("{v:.2e}") }
+}
+
+fn csv(figures: &[Figure]) -> String {
+    let mut s = String::from("case,machine,what,value,bar,of,holds,known\n");
+    for f in figures {
+        let _ = writeln!(
+            s,
+            "{},\"{}\",\"{}\",{:e},{:e},{},{},\"{}\"",
+            f.case,
+            f.machine,
+            f.what,
+            f.value,
+            f.bar,
+            f.of,
+            f.holds(),
+            f.known.unwrap_or("")
+        );
+    }
+    s
+}
