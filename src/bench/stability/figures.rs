@@ -52,8 +52,11 @@ const KNOWN: &[(u32, &str, bool, &str)] = &[
     (5, "share of rays that differ", true, "32 bits: faces that meet at the ray's depth, and grazing ones"),
     (9, "growth of build time", false, "a grid puts a large face into every cell that it crosses"),
     (12, "mean FLIP", true, "the GPU has world coordinates in 32 bits: 1/16 of a unit there"),
+    (10, "outside of a torus", false, "POV-Ray's closed-form quartic: a far root comes out near; `sturm` does better"),
+    (15, "roots lost", false, "POV-Ray's closed-form quartic loses grazing roots; `sturm` does not"),
     (16, "closed form", false, "POV-Ray's solver and its rules for double roots, kept because they decide pixels; `sturm` does better"),
     (16, "spread over 1e12, Sturm", false, "chains of 64-bit numbers lose count among roots below 1e-4, nearer than any ray looks"),
+    (22, "time of the scene of 1, bvh8", false, "its boxes are denormal numbers of 32 bits, which processors take slowly"),
     (18, "minority winner of a face that two boxes share, merge", false, "as POV-Ray: rounding decides which box holds the point"),
 ];
 

@@ -162,7 +162,7 @@ pub(super) fn instances(report: &mut Report) {
                 let ray = Ray::new(from, dir);
                 let (a, b) = (intersect(&placed, &ray, 0.0, FAR, 0), intersect(&flattened, &ray, 0.0, FAR, 0));
                 match (a, b) {
-                    (Some(a), Some(b)) if b.normal.dot(dir).abs() > 0.2 => (a.t - b.t).abs() / b.t / f64::EPSILON,
+                    (Some(a), Some(b)) if b.normal.dot(dir).abs() > 0.2 => (a.t - b.t).abs() / b.t.max(from.length()) / f64::EPSILON,
                     (Some(_), Some(_)) | (None, None) => 0.0,
                     // Only at the rim may one be met and the other not.
                     (a, b) => a.or(b).map_or(0.0, |h| if h.normal.dot(dir).abs() < 0.1 { 0.0 } else { f64::INFINITY }),

@@ -43,11 +43,19 @@ pub fn intersect_torus(s: &TorusShape, ray: &LocalRay, sink: &mut impl HitSink) 
     let k2 = origin.dot(d);
     let c = [1.0, 4.0 * k2, 2.0 * (k1 + 2.0 * (k2 * k2 + r1 * dy2)), 4.0 * (k2 * k1 + 2.0 * r1 * pdy2), k1 * k1 + 4.0 * r1 * (py2 - r2)];
     for t in solve_polynomial(&c, s.sturm, ROOT_TOLERANCE).iter() {
-        let t = t + skipped;
+        let t = polished(&c, *t) + skipped;
         if t > TOLERANCE && t < MAX_DISTANCE {
             sink.push(t, Part::default());
         }
     }
+}
+
+/// A root after a step of Newton's method, if that brings the quartic nearer to 0: closed forms lose digits where roots are close.
+fn polished(c: &[f64; 5], t: f64) -> f64 {
+    let value = |t: f64| c.iter().fold((0.0, 0.0), |(v, slope), a| (v * t + a, slope * t + v));
+    let (v, slope) = value(t);
+    let next = t - v / slope;
+    if value(next).0.abs() < v.abs() { next } else { t }
 }
 
 /// Whether a ray misses the ring of height ±minor between the torus' inner and outer radius.
