@@ -45,6 +45,11 @@ fn directions() -> [[u32; 32]; 4] {
     all
 }
 
+/// What [`sobol4`] looks up, for other machines: values of the four dimensions, bits reversed, `[byte of the index][value]`.
+pub fn direction_table() -> &'static [[[u32; 4]; 256]; 4] {
+    &TABLE
+}
+
 /// A permutation of reversed bits in which a bit depends on lower ones alone. Source: Laine and Karras 2011; constants of Burley 2020.
 #[inline]
 fn scramble(mut v: u32, seed: u32) -> u32 {

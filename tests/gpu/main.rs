@@ -3,6 +3,7 @@
 #![cfg(feature = "gpu")]
 
 mod lost;
+mod paths;
 mod pictures;
 mod probes;
 mod probes_texture;

@@ -11,6 +11,7 @@ pub mod layout;
 mod material_buffers;
 mod mesh_buffers;
 mod modules;
+mod path;
 pub mod probe;
 pub mod ray_bench;
 pub mod shader;
@@ -27,6 +28,7 @@ mod tree_words;
 mod wavefront;
 
 pub use device::{Gpu, GpuOptions, list_devices, open_all};
+pub use path::PathTimes;
 
 use super::unfinished::{add_samples, unfinished_blocks};
 use super::{Backend, BackendError, Progress};
@@ -34,10 +36,10 @@ use crate::accel::AccelKind;
 use crate::compile::CompiledScene;
 use crate::film::Film;
 use crate::integrate::Antialias;
-use crate::integrate::RenderSettings;
 use crate::integrate::antialias::{Block, BlockMemo, Sample};
 use crate::integrate::classic::ScenePlan;
 use crate::integrate::samples::sample_position;
+use crate::integrate::{IntegratorKind, RenderSettings};
 use buffers::SceneBuffers;
 use rayon::prelude::*;
 use std::sync::atomic::AtomicBool;
@@ -69,6 +71,11 @@ impl GpuBackend {
         self.gpu.device.destroy();
     }
 
+    /// Path-traces the whole picture `n` times after a warm-up, and says how long it took.
+    pub fn measure_paths(&self, scene: &CompiledScene, settings: &RenderSettings, n: u32) -> Result<PathTimes, BackendError> {
+        path::measure(&self.gpu, scene, settings, self.accel_for(scene), n)
+    }
+
     /// The structure that a scene asks for, or the one that is best here.
     fn accel_for(&self, scene: &CompiledScene) -> AccelKind {
         match scene.options.accel {
@@ -91,7 +98,10 @@ impl Backend for GpuBackend {
         progress: &dyn Progress,
         cancel: &AtomicBool,
     ) -> Result<(), BackendError> {
-        support::check(scene, settings)?;
+        if settings.integrator == IntegratorKind::Path {
+            return path::render(&self.gpu, scene, settings, self.accel_for(scene), film, progress, cancel);
+        }
+        support::check(scene)?;
         let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
         let buffers = SceneBuffers::new(scene, &plan, self.accel_for(scene))?;
         let wavefront = Wavefront::new(&self.gpu, &buffers)?;

@@ -2,6 +2,7 @@
 //! and with the constants that both languages share (`package::constants`). What no entry point needs is left out.
 
 use super::modules::MODULES;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use wesl::{CompileOptions, Feature, ManglerKind, VirtualResolver, Wesl};
@@ -90,12 +91,20 @@ pub struct ShaderError {
     pub message: String,
 }
 
+/// A module's text: the built-in one, or in debug builds the file in `RAYLOOM_SHADERS`, so that work on shaders needs no build.
+fn text_of(name: &str, built_in: &'static str) -> Cow<'static, str> {
+    let folder = if cfg!(debug_assertions) { std::env::var_os("RAYLOOM_SHADERS") } else { None };
+    let file = folder.and_then(|f| std::fs::read_to_string(std::path::Path::new(&f).join(format!("{name}.wesl"))).ok());
+    file.map_or(Cow::Borrowed(built_in), Cow::Owned)
+}
+
 /// The WGSL text of the entry points of `module` (`trace_closest`, `probes/noise`).
 pub fn assemble(module: &str, options: &ShaderOptions) -> Result<String, ShaderError> {
     let fail = |message: String| ShaderError { module: module.to_owned(), message };
     let mut resolver = VirtualResolver::new();
     let path = |name: &str| format!("package::{}", name.replace('/', "::")).parse();
     for (name, text) in MODULES {
+        let text = text_of(name, text);
         if name.strip_prefix("accel/") == Some(options.accel) {
             // One text, twice: over the scene's primitives and over a mesh's faces.
             for level in ["scene", "mesh"] {
@@ -103,7 +112,7 @@ pub fn assemble(module: &str, options: &ShaderOptions) -> Result<String, ShaderE
                 resolver.add_module(at, text.replace("LEVEL", level).into());
             }
         }
-        resolver.add_module(path(name).map_err(|_| fail(format!("bad module name '{name}'")))?, (*text).into());
+        resolver.add_module(path(name).map_err(|_| fail(format!("bad module name '{name}'")))?, text);
     }
     resolver.add_module(path("constants").map_err(|_| fail("constants".into()))?, options.constants.as_str().into());
     resolver.add_module(path("functions").map_err(|_| fail("functions".into()))?, options.functions.as_str().into());

@@ -5,7 +5,6 @@ use crate::backend::BackendError;
 use crate::compile::geometry::{PrimKind, prim_flags};
 use crate::compile::texture::TextureNode;
 use crate::compile::{CompiledScene, NONE};
-use crate::integrate::{IntegratorKind, RenderSettings};
 use crate::scene::Projection;
 
 /// Kinds of primitives that the shaders know, with the name of their feature.
@@ -25,8 +24,8 @@ pub(super) const KINDS: &[(PrimKind, &str)] = &[
 ];
 
 /// Refuses what cannot be rendered here.
-pub(super) fn check(scene: &CompiledScene, settings: &RenderSettings) -> Result<(), BackendError> {
-    match first_obstacle(scene, settings) {
+pub(super) fn check(scene: &CompiledScene) -> Result<(), BackendError> {
+    match first_obstacle(scene) {
         Some(what) => Err(BackendError::Unsupported(what)),
         None => Ok(()),
     }
@@ -45,11 +44,8 @@ fn unknown_shape(scene: &CompiledScene) -> Option<String> {
     prim.map(|p| format!("{} objects", object_name(p.kind)))
 }
 
-fn first_obstacle(scene: &CompiledScene, settings: &RenderSettings) -> Option<String> {
+fn first_obstacle(scene: &CompiledScene) -> Option<String> {
     let f = &scene.features;
-    if settings.integrator != IntegratorKind::Classic {
-        return Some("path tracing".into());
-    }
     if let Some(what) = unknown_shape(scene) {
         return Some(what);
     }
@@ -79,8 +75,18 @@ fn nested_bounds(scene: &CompiledScene) -> bool {
     g.bounding_objects.iter().any(|o| g.objects[*o as usize].prims.clone().any(|p| g.prims[p as usize].flags & prim_flags::BOUNDED != 0))
 }
 
-fn object_name(kind: PrimKind) -> &'static str {
+pub(super) fn object_name(kind: PrimKind) -> &'static str {
     match kind {
+        PrimKind::Sphere => "sphere",
+        PrimKind::Box => "box",
+        PrimKind::Cylinder => "cylinder",
+        PrimKind::Cone => "cone",
+        PrimKind::Plane => "plane",
+        PrimKind::Disc => "disc",
+        PrimKind::Torus => "torus",
+        PrimKind::Triangle => "triangle",
+        PrimKind::Glyph => "text",
+        PrimKind::Polygon => "polygon",
         PrimKind::Quadric => "quadric",
         PrimKind::Poly => "poly",
         PrimKind::Blob => "blob",

@@ -1,6 +1,7 @@
 //! `rayloom bench`: measurements on this machine.
 
 mod accel;
+mod path;
 mod stability;
 
 use super::console::print_error;
@@ -19,6 +20,8 @@ pub struct BenchArgs {
 enum What {
     /// Every acceleration structure on every device: build time, memory, work a ray, rays a second (docs/gpu.md)
     Accel(accel::AccelArgs),
+    /// Path tracing on the GPU: samples a second of whole pictures, without loading, building and compiling (docs/path.md)
+    Path(path::PathArgs),
     /// Where renderers break: 24 cases, each a figure against its bar, on the CPU and every GPU (docs/stability.md)
     Stability(stability::StabilityArgs),
 }
@@ -27,6 +30,7 @@ enum What {
 pub fn run(args: &BenchArgs) -> ExitCode {
     let result = match &args.what {
         What::Accel(args) => accel::run(args),
+        What::Path(args) => path::run(args),
         What::Stability(args) => stability::run(args),
     };
     match result {

@@ -28,6 +28,11 @@ impl PathCamera {
         Self { model: CameraModel::new(scene, width, height), size: (f64::from(width), f64::from(height)), lens, camera }
     }
 
+    /// The lens, if the camera has one.
+    pub fn lens(&self) -> Option<&Lens> {
+        self.lens.as_ref()
+    }
+
     /// The ray through picture position (x, y) (integers are pixel centres, y runs down) at `time` of the shutter, through the point of the
     /// lens that `u` picks. `None` where the projection shows nothing.
     pub fn ray(&self, x: f64, y: f64, u: [f32; 2], time: f64) -> Option<Ray> {

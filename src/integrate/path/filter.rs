@@ -23,6 +23,11 @@ impl FilterTable {
         Self { inverse: inverted(radius, weight) }
     }
 
+    /// The offsets, for other machines: 1,025 of them.
+    pub fn offsets(&self) -> &[f32] {
+        &self.inverse
+    }
+
     /// Offset for a number in 0..1.
     pub fn offset(&self, u: f32) -> f64 {
         let x = u * N as f32;

@@ -6,10 +6,10 @@
 
 mod adaptive;
 mod bounce;
-mod camera;
+pub mod camera;
 mod closure;
-mod filter;
-mod lights;
+pub mod filter;
+pub mod lights;
 #[cfg(test)]
 mod pass_tests;
 mod passes;

@@ -14,18 +14,24 @@ use std::sync::Arc;
 /// A scene made ready for path tracing.
 pub struct PathPlan<'s> {
     pub(super) scene: &'s CompiledScene,
-    pub(super) settings: PathSettings,
-    pub(super) camera: PathCamera,
-    pub(super) filter: FilterTable,
+    /// Limits, filter, clamps.
+    pub settings: PathSettings,
+    /// Rays of the camera.
+    pub camera: PathCamera,
+    /// Pixel filter.
+    pub filter: FilterTable,
     /// By index of `TextureTables::principled`.
-    pub(super) shaders: Vec<Arc<Shader>>,
-    pub(super) lights: LightSet,
-    pub(super) seed: u32,
+    pub shaders: Vec<Arc<Shader>>,
+    /// All lights.
+    pub lights: LightSet,
+    /// Of the numbers of all samples.
+    pub seed: u32,
     /// The shutter is open for a while.
-    pub(super) has_motion: bool,
+    pub has_motion: bool,
     /// Some body is filled.
-    pub(super) has_volumes: bool,
-    pub(super) output_alpha: bool,
+    pub has_volumes: bool,
+    /// The film shows where nothing is.
+    pub output_alpha: bool,
     /// Greatest and mean number of the grid of each shader's volume.
     pub(super) grid_summaries: Vec<(f32, f32)>,
     /// Bodies around the camera.

@@ -105,9 +105,28 @@ static GLASS: LazyLock<ByEta> = LazyLock::new(|| (0..=N_ETA).map(|_| OnceLock::n
 static MEANS: LazyLock<Vec<OnceLock<f32>>> = LazyLock::new(|| (0..=N_ETA).map(|_| OnceLock::new()).collect());
 static MIRROR_MEAN: [OnceLock<f32>; N_ROUGHNESS + 1] = [const { OnceLock::new() }; N_ROUGHNESS + 1];
 
-fn by_eta(tables: &ByEta, quantity: Quantity, eta: f32) -> &Table {
+fn by_eta(tables: &'static ByEta, quantity: Quantity, eta: f32) -> &'static Table {
     let k = ((eta.ln() + 4.0) * 1024.0).round().clamp(0.0, N_ETA as f32) as usize;
     tables[k].get_or_init(|| Box::new(Table::new(quantity, (k as f32 / 1024.0 - 4.0).exp())))
+}
+
+/// Rows of a table of [`mirror`], [`dielectric_mix`] and [`glass`], and columns of a row, for other machines: roughness and the square root
+/// of the cosine in steps of 1/64.
+pub const TABLE_SIDE: usize = N_ROUGHNESS + 1;
+
+/// Row `k` of [`mirror`].
+pub fn mirror_row(k: usize) -> &'static [f32; TABLE_SIDE] {
+    MIRROR.row(k)
+}
+
+/// Row `k` of [`dielectric_mix`] for index `eta`.
+pub fn dielectric_mix_row(eta: f32, k: usize) -> &'static [f32; TABLE_SIDE] {
+    by_eta(&MIX, Quantity::DielectricMix, eta).row(k)
+}
+
+/// Row `k` of [`glass`] for index `eta`.
+pub fn glass_row(eta: f32, k: usize) -> &'static [f32; TABLE_SIDE] {
+    by_eta(&GLASS, Quantity::Glass, eta).row(k)
 }
 
 /// What a lobe of perfect facets reflects of light from one side, to a viewer at that cosine.

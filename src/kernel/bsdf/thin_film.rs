@@ -29,6 +29,11 @@ static WAVES: LazyLock<[(f32, Vec3); N_WAVES]> = LazyLock::new(|| {
     list
 });
 
+/// Wavelengths (nm) with what each adds to red, green and blue, for other machines.
+pub fn waves() -> &'static [(f32, Vec3)] {
+    &*WAVES
+}
+
 /// CIE 1931 colour matching by sums of lopsided Gaussians.
 fn xyz_of(nm: f32) -> Vec3 {
     let g = |mid: f32, left: f32, right: f32| {

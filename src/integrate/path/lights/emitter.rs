@@ -29,7 +29,7 @@ pub struct Emitter {
     normal: DVec3,
     area: f64,
     /// Only its front is sampled: the back cannot be seen.
-    front_only: bool,
+    pub front_only: bool,
     moves: bool,
 }
 

@@ -13,38 +13,54 @@ const BAKED: (u32, u32) = (512, 256);
 
 /// An environment made ready.
 pub struct ReadyEnvironment {
-    kind: Kind,
-    strength: Rgb,
-    rotation: DMat3,
-    visibility: Visibility,
-    sampling: Option<Sampling>,
+    /// Where colours come from.
+    pub kind: Kind,
+    /// Multiplies them.
+    pub strength: Rgb,
+    /// World direction to the source's.
+    pub rotation: DMat3,
+    /// Ray kinds that see it.
+    pub visibility: Visibility,
+    /// For drawing directions; none where it is met by chance alone.
+    pub sampling: Option<Sampling>,
 }
 
-enum Kind {
+/// Where an environment's colours come from.
+pub enum Kind {
+    /// White.
     Constant,
+    /// By angles.
     Equirect {
+        /// Picture.
         image: std::sync::Arc<FloatImage>,
+        /// Mix of the four nearest texels.
         linear: bool,
     },
+    /// A mirror ball.
     MirrorBall {
+        /// Picture.
         image: std::sync::Arc<FloatImage>,
+        /// Mix of the four nearest texels.
         linear: bool,
     },
+    /// A clear sky.
     Sky(Box<super::sky::ReadySky>),
     /// POV-Ray's background and sky sphere.
     Pov,
 }
 
 /// Cells of an equirectangular map, drawn by brightness.
-struct Sampling {
-    width: usize,
-    height: usize,
+pub struct Sampling {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
     /// Sums along each row, `width + 1` a row.
-    rows: Vec<f32>,
+    pub rows: Vec<f32>,
     /// Sums of rows, `height + 1`.
-    column: Vec<f32>,
+    pub column: Vec<f32>,
     /// Mean of brightness over all directions.
-    mean: f32,
+    pub mean: f32,
 }
 
 impl ReadyEnvironment {

@@ -20,16 +20,17 @@ pub struct ReadyLamp {
     /// Unit; shines along it.
     pub axis: DVec3,
     /// Half axes of an area.
-    half: [DVec3; 2],
-    area: f64,
+    pub half: [DVec3; 2],
+    /// Of an area lamp.
+    pub area: f64,
     /// Radiance; of a point without size the intensity, of a sun without size the irradiance.
-    radiance: Rgb,
+    pub radiance: Rgb,
     /// Cone of a spot, half angle of a sun, half of an area's spread.
-    cos_half: f64,
+    pub cos_half: f64,
     /// (1 - cos_half) * blend of a spot; 1 / (tan - angle) of a spread.
-    soft: f64,
+    pub soft: f64,
     /// Half of an area's spread.
-    half_spread: f64,
+    pub half_spread: f64,
     /// Cosine of the widest part of a spot's cone, which a scale may make elliptic.
     widest: f64,
 }
@@ -101,7 +102,7 @@ impl ReadyLamp {
     }
 
     /// Radius of a point or spot.
-    fn radius(&self) -> f64 {
+    pub fn radius(&self) -> f64 {
         match self.lamp.shape {
             LampShape::Point { radius, .. } | LampShape::Spot { radius, .. } => radius.max(0.0),
             _ => 0.0,

@@ -25,8 +25,11 @@ use tree::{LightTree, TreeLight};
 /// Where a light sample comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightSource {
+    /// What lies behind all.
     Environment,
+    /// One of the lamps.
     Lamp(u32),
+    /// One of the emitters.
     Triangle(u32),
     /// A light in POV-Ray's manner.
     Plain(u32),
@@ -79,30 +82,35 @@ pub struct Chosen {
 }
 
 /// The sun's disc of a sky.
-struct SkySun {
-    dir: DVec3,
-    cos_half: f64,
+pub struct SkySun {
+    /// Unit, to its middle.
+    pub dir: DVec3,
+    /// Of half the disc's angle.
+    pub cos_half: f64,
     /// At its middle; it darkens towards the rim.
-    radiance: Rgb,
+    pub radiance: Rgb,
 }
 
 /// Lights of a scene.
 pub struct LightSet {
-    lamps: Vec<ReadyLamp>,
+    /// All lamps.
+    pub lamps: Vec<ReadyLamp>,
     /// Lamps at infinity, into `lamps`.
-    suns: Vec<u32>,
+    pub suns: Vec<u32>,
     /// Lamps and triangles of the tree: `tree_lamps[k]` for the first of them, then triangles.
-    tree_lamps: Vec<u32>,
+    pub tree_lamps: Vec<u32>,
     /// Place in the tree of a lamp.
-    tree_of_lamp: Vec<u32>,
+    pub tree_of_lamp: Vec<u32>,
     /// Shining triangles.
     pub emitters: Emitters,
-    tree: LightTree,
+    /// Over lamps and triangles.
+    pub tree: LightTree,
     /// Into `CompiledScene::lights`.
-    plain: Vec<u32>,
+    pub plain: Vec<u32>,
     /// What lies behind all.
     pub environment: ReadyEnvironment,
-    sky_sun: Option<SkySun>,
+    /// Of a sky with a disc.
+    pub sky_sun: Option<SkySun>,
 }
 
 /// Chances of the kinds of lights at a point.
@@ -114,7 +122,8 @@ struct Shares {
     total: f64,
 }
 
-fn grey(c: Rgb) -> f64 {
+/// Brightness of a light, as far as drawing it goes.
+pub fn grey(c: Rgb) -> f64 {
     f64::from(c.max(Vec3::ZERO).element_sum() / 3.0)
 }
 

@@ -81,15 +81,17 @@ fn color(spectrum: &[f64; N]) -> Rgb {
 }
 
 /// Size of the table of the sky: turns from the sun, heights (denser near the horizon).
-const COLUMNS: usize = 128;
-const ROWS: usize = 128;
+pub const COLUMNS: usize = 128;
+/// Heights of the table.
+pub const ROWS: usize = 128;
 
 /// A sky made ready.
 pub struct ReadySky {
     sky: Sky,
-    sun: DVec3,
+    /// Direction to the sun.
+    pub sun: DVec3,
     /// `ROWS` x `COLUMNS` over half a turn from the sun and the heights 0..90°, squared.
-    table: Vec<Rgb>,
+    pub table: Vec<Rgb>,
     disc: Rgb,
 }
 

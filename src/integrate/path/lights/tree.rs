@@ -54,22 +54,29 @@ impl Cone {
     }
 }
 
+/// A node: what is below it, in a ball and a cone of directions.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    center: DVec3,
+pub struct Node {
+    /// Of the ball around the lights.
+    pub center: DVec3,
     /// Half the diagonal.
-    radius: f64,
-    axis: DVec3,
-    cos_spread: f64,
-    sin_spread: f64,
-    cos_reach: f64,
-    energy: f64,
+    pub radius: f64,
+    /// Unit; middle of the cone.
+    pub axis: DVec3,
+    /// Of the cone.
+    pub cos_spread: f64,
+    /// Of the cone.
+    pub sin_spread: f64,
+    /// Of how far light reaches beyond the cone.
+    pub cos_reach: f64,
+    /// Sum of the lights'.
+    pub energy: f64,
     /// Second child; the first follows the node. `u32::MAX` for a leaf.
-    right: u32,
+    pub right: u32,
     /// Parent, `u32::MAX` at the root.
-    parent: u32,
+    pub parent: u32,
     /// Of a leaf.
-    light: u32,
+    pub light: u32,
 }
 
 /// The tree.
@@ -97,6 +104,16 @@ impl LightTree {
     /// Whether there is nothing to draw.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
+    }
+
+    /// All nodes, the root first.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// Leaf of each light.
+    pub fn leaves(&self) -> &[u32] {
+        &self.leaves
     }
 
     /// Middle of the box of all lights.

@@ -1,0 +1,240 @@
+//! A scene made ready for the path integrator on the GPU: numbers, words and the shader's text. Twin: `shaders/path/bindings.wesl`.
+
+use super::super::buffers::{append, outward, v3};
+use super::super::layout::PathParams;
+use super::super::shader::ShaderOptions;
+use super::super::tree_words::choose_walk;
+use super::geometry::{FaceTables, encode_faces, face_bits, object_words};
+use super::inputs::{Encoder, input_constants};
+use super::lights::{encode_lights, light_constants, tree_quads};
+use super::materials::{Room, encode_materials, material_constants};
+use super::tables::AlbedoTables;
+use crate::accel::AccelKind;
+use crate::backend::BackendError;
+use crate::compile::CompiledScene;
+use crate::integrate::path::PathPlan;
+use crate::kernel::bsdf::thin_film::waves;
+use crate::math::Bounds;
+use crate::math::sobol::direction_table;
+use crate::scene::Projection;
+use std::collections::HashMap;
+
+/// Most lobes of a hit, as on the CPU.
+const MAX_LOBES: u32 = 12;
+/// Rectangles seen smaller than that are drawn by area: the sum of their angles has few digits at 32 bits.
+const LEAST_SOLID_ANGLE: f32 = 0.01;
+const LOBES: [&str; 5] = ["LAMBERT", "OREN_NAYAR", "TRANSLUCENT", "MICROFACET", "SHEEN"];
+const FRESNELS: [&str; 5] = ["MIRROR", "CLEAR", "DIELECTRIC", "F82", "FILM"];
+
+/// Everything of a scene, encoded.
+pub(super) struct PathBuffers {
+    pub params: PathParams,
+    pub faces: FaceTables,
+    pub words: Vec<u32>,
+    pub quads: Vec<[u32; 4]>,
+    pub texels: Vec<u32>,
+    pub options: ShaderOptions,
+}
+
+impl PathBuffers {
+    /// Encodes `scene` for a picture of the plan's size, with a structure of kind `kind`.
+    pub fn new(scene: &CompiledScene, plan: &PathPlan, kind: AccelKind, size: [u32; 2]) -> Result<Self, BackendError> {
+        let mut e = Encoder::default();
+        let mut tables = AlbedoTables::new(plan.settings.filter_glossy > 0.0);
+        let mut room = Room::default();
+        let mut p = camera_params(scene, plan, size);
+        let (materials_at, clear) = encode_materials(&plan.shaders, &mut e, &mut tables, &mut room)?;
+        p.materials_at = materials_at;
+        p.mirror_at = tables.fill(&mut e.words);
+        encode_lights(plan, &mut e, &mut p);
+        p.filter_at = append(&mut e.words, plan.filter.offsets().iter().map(|v| v.to_bits()));
+        if e.features.contains("thin_film") {
+            let list = waves().iter().flat_map(|(nm, c)| [*nm, c.x, c.y, c.z]).map(f32::to_bits);
+            p.waves_at = append(&mut e.words, list);
+        }
+        let mut objects = HashMap::new();
+        if e.features.contains("anisotropic") {
+            for (k, prim) in scene.geometry.prims.iter().enumerate() {
+                objects.insert(k as u32, append(&mut e.words, object_words(scene, prim)));
+            }
+        }
+        let faces = encode_faces(scene, plan, kind, &clear, &objects)?;
+        p.emitters_at = append(&mut e.words, faces.emitters.iter().copied());
+        p.n_faces = faces.faces.len() as u32;
+        // A grid's lists have no references before them: leaves name faces.
+        p.lists_at = 0;
+        (p.tree_low, p.tree_high) = outward(&Bounds { min: faces.low.as_dvec3(), max: faces.high.as_dvec3() });
+        p.extent = faces.low.abs().max(faces.high.abs()).max_element();
+        let mut quads: Vec<[u32; 4]> = direction_table().as_flattened().to_vec();
+        let nodes_at = quads.len() as u32;
+        quads.extend(tree_quads(&plan.lights.tree));
+        let options = shader_options(scene, plan, kind, &e, room, &faces, nodes_at);
+        Ok(Self { params: p, faces, words: e.words, quads, texels: e.texels, options })
+    }
+}
+
+fn camera_params(scene: &CompiledScene, plan: &PathPlan, [width, height]: [u32; 2]) -> PathParams {
+    let (c, s) = (&scene.camera, &plan.settings);
+    let mut p = PathParams {
+        location: v3(c.location),
+        direction: v3(c.direction),
+        right: v3(c.right),
+        up: v3(c.up),
+        width: width as f32,
+        height: height as f32,
+        seed: plan.seed,
+        max_bounces: s.max_bounces,
+        diffuse_bounces: s.diffuse_bounces,
+        glossy_bounces: s.glossy_bounces,
+        transmission_bounces: s.transmission_bounces,
+        transparent_bounces: s.transparent_bounces,
+        min_light_bounces: s.min_light_bounces,
+        min_transparent_bounces: s.min_transparent_bounces,
+        clamp_direct: s.clamp_direct,
+        clamp_indirect: s.clamp_indirect,
+        filter_glossy: s.filter_glossy,
+        exposure: s.exposure,
+        ..PathParams::default()
+    };
+    if let Some(l) = plan.camera.lens() {
+        let axis = c.right.cross(c.up).normalize_or_zero();
+        p.axis = v3(if axis.dot(c.direction) < 0.0 { -axis } else { axis });
+        p.lens_radius = l.radius as f32;
+        p.focus_distance = l.focus_distance as f32;
+        p.lens_blades = l.blades;
+        p.lens_rotation = l.rotation_rad as f32;
+        p.lens_ratio = l.ratio as f32;
+    }
+    p
+}
+
+fn shader_options(
+    scene: &CompiledScene,
+    plan: &PathPlan,
+    kind: AccelKind,
+    e: &Encoder,
+    room: Room,
+    faces: &FaceTables,
+    nodes_at: u32,
+) -> ShaderOptions {
+    let mut o = ShaderOptions::default();
+    let s = &plan.settings;
+    e.features.iter().for_each(|f| o.feature(f));
+    let seen_by_all = (face_bits::UNSEEN * 15) | face_bits::NO_SHADOW;
+    let has_clear = faces.bits & face_bits::CLEAR != 0;
+    let features = [
+        ("lens", plan.camera.lens().is_some()),
+        ("orthographic", matches!(scene.camera.projection, Projection::Orthographic)),
+        ("smooth_faces", faces.bits & face_bits::SMOOTH != 0),
+        ("face_flags", faces.bits & seen_by_all != 0 || has_clear),
+        ("clear_faces", has_clear),
+        ("film_alpha", plan.output_alpha),
+        ("film_transparent", s.film_transparent),
+        ("clamps", s.clamp_direct > 0.0 || s.clamp_indirect > 0.0),
+        ("filter_glossy", s.filter_glossy > 0.0),
+        ("caustics_reflective", s.caustics_reflective),
+        ("caustics_refractive", s.caustics_refractive),
+        ("mesh", true),
+        ("path_rays", true),
+    ];
+    features.iter().for_each(|(name, holds)| o.feature_if(name, *holds));
+    name_constants(&mut o, room, nodes_at);
+    choose_walk(&mut o, kind, 1, faces.tree.depth);
+    o
+}
+
+/// Names of numbers that both languages share.
+fn name_constants(o: &mut ShaderOptions, room: Room, nodes_at: u32) {
+    let constants = [
+        ("WORKGROUP", super::super::device::WORKGROUP),
+        ("MAX_LOBES", room.lobes.clamp(1, MAX_LOBES)),
+        ("CLOSURE_STACK", room.stack.max(1)),
+        ("MAX_CLOSURES", room.closures.max(1)),
+        ("NODES_AT", nodes_at),
+        ("FILM_WAVES", waves().len() as u32),
+        ("SEES_ALL", 255),
+        ("FACE_MATERIAL", face_bits::MATERIAL),
+        ("FACE_SMOOTH", face_bits::SMOOTH),
+        ("FACE_UV", face_bits::UV),
+        ("FACE_COLORS", face_bits::COLORS),
+        ("FACE_FRONT_ONLY", face_bits::FRONT_ONLY),
+        ("FACE_UNSEEN", face_bits::UNSEEN),
+        ("FACE_NO_SHADOW", face_bits::NO_SHADOW),
+        ("FACE_CLEAR", face_bits::CLEAR),
+    ];
+    constants.iter().for_each(|(name, v)| o.constant(name, *v));
+    o.constant("LEAST_SOLID_ANGLE", LEAST_SOLID_ANGLE);
+    for (prefix, names) in [("LOBE", LOBES), ("FRESNEL", FRESNELS)] {
+        (0u32..).zip(names).for_each(|(k, n)| o.constant(&format!("{prefix}_{n}"), k));
+    }
+    for (name, v) in input_constants().into_iter().chain(material_constants()).chain(light_constants()) {
+        o.constant(&name, v);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::shader::assemble;
+    use super::*;
+
+    /// The shader with these features is WGSL that validates.
+    fn validates(features: &[&str]) -> Result<(), String> {
+        let mut o = ShaderOptions::default();
+        name_constants(&mut o, Room { lobes: 3, stack: 2, closures: 3 }, 1024);
+        choose_walk(&mut o, AccelKind::Bvh, 1, 20);
+        ["mesh", "path_rays"].iter().chain(features).for_each(|f| o.feature(f));
+        let text = assemble("path/trace_paths", &o).map_err(|e| e.to_string())?;
+        let module = naga::front::wgsl::parse_str(&text).map_err(|e| e.emit_to_string(&text))?;
+        let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
+        validator.validate(&module).map(|_| ()).map_err(|e| format!("{e:?}"))
+    }
+
+    #[test]
+    fn every_feature_makes_a_shader_that_validates() {
+        // A feature with those that it comes with.
+        let sets: &[&[&str]] = &[
+            &[],
+            &["lens"],
+            &["orthographic"],
+            &["smooth_faces"],
+            &["face_flags"],
+            &["face_flags", "clear_faces", "passes", "any_light", "light_tree", "emitters"],
+            &["film_alpha", "film_transparent", "environment"],
+            &["clamps", "filter_glossy", "caustics_reflective", "caustics_refractive"],
+            &["any_light", "light_tree", "emitters", "plain_emission"],
+            &["any_light", "light_tree", "emitters", "varying_emission", "plain_emission", "texels", "uv"],
+            &["any_light", "light_tree", "tree_lamps", "lamps", "areas", "met_lamps", "shadowless", "light_visibility"],
+            &["any_light", "light_tree", "tree_lamps", "lamps", "balls", "met_lamps", "smooth_faces"],
+            &["any_light", "lamps", "balls", "suns", "many_kinds", "met_lamps"],
+            &["any_light", "env_sampled", "environment", "env_picture", "many_kinds", "light_tree", "emitters"],
+            &["any_light", "env_sampled", "environment", "env_picture", "mirror_ball"],
+            &["any_light", "env_sampled", "environment", "sky", "sky_sun", "many_kinds"],
+            &["texels", "uv", "corner_colors", "bent", "bumps"],
+            &["principled"],
+            &["principled", "sheen"],
+            &["principled", "microfacets", "specular"],
+            &["principled", "microfacets", "metal", "anisotropic"],
+            &["principled", "microfacets", "coat", "sheen", "oren_nayar", "principled_emission", "passes"],
+            &["principled", "microfacets", "specular", "principled_glass", "refraction", "thin_film"],
+            &[
+                "mixes",
+                "microfacets",
+                "plain_glossy",
+                "plain_glass",
+                "plain_refraction",
+                "refraction",
+                "translucent",
+                "sheen",
+                "plain_sheen",
+            ],
+        ];
+        for set in sets {
+            validates(set).unwrap_or_else(|e| panic!("{set:?}: {e}"));
+        }
+        let mut all: Vec<&str> = sets.concat();
+        all.retain(|f| !["orthographic", "sky", "mirror_ball"].contains(f));
+        validates(&all).expect("all at once");
+        // What cannot be: closures that call what is not there.
+        assert!(validates(&["plain_glass"]).is_err());
+    }
+}

@@ -1,0 +1,170 @@
+//! All faces of a scene in world space under one tree, for the path integrator: instances are written out.
+//! Twins: `shaders/path/surface.wesl`, `shaders/path/scene.wesl`.
+
+use super::super::tree_words::{TreeWords, structure_of};
+use crate::accel::{Accel, AccelKind, TrianglePrims};
+use crate::backend::BackendError;
+use crate::compile::geometry::{Prim, PrimKind, prim_flags};
+use crate::compile::texture::TextureNode;
+use crate::compile::{CompiledScene, NONE};
+use crate::integrate::path::PathPlan;
+use crate::math::{DVec3, Transform, Vec3};
+use std::collections::HashMap;
+
+/// Bits of a face's first word, beside its material.
+pub(super) mod face_bits {
+    pub const MATERIAL: u32 = (1 << 20) - 1;
+    pub const SMOOTH: u32 = 1 << 20;
+    pub const UV: u32 = 1 << 21;
+    pub const COLORS: u32 = 1 << 22;
+    pub const FRONT_ONLY: u32 = 1 << 23;
+    /// Times the bits of visibility of camera, diffuse, glossy and transmitted rays.
+    pub const UNSEEN: u32 = 1 << 24;
+    pub const NO_SHADOW: u32 = 1 << 28;
+    /// Shadow rays go on behind it.
+    pub const CLEAR: u32 = 1 << 29;
+}
+
+/// Faces and their tree, in the tree's order.
+#[derive(Default)]
+pub(super) struct FaceTables {
+    pub tree: TreeWords,
+    /// Three corners a face.
+    pub corners: Vec<[f32; 4]>,
+    /// What hangs on corners: normals, coordinates, colours.
+    pub hung: Vec<u32>,
+    /// Material and bits, place of what hangs on the corners, place of the object, emitter + 1.
+    pub faces: Vec<[u32; 4]>,
+    /// Faces of the emitters.
+    pub emitters: Vec<u32>,
+    pub low: Vec3,
+    pub high: Vec3,
+    /// Bits of any face.
+    pub bits: u32,
+}
+
+/// One face before it is put in order.
+struct Face {
+    prim_ix: u32,
+    face_ix: u32,
+    material: u32,
+}
+
+/// Writes out all faces. `clear`: by material, whether shadow rays go on behind it. `objects`: place of each primitive's words.
+pub(super) fn encode_faces(
+    scene: &CompiledScene,
+    plan: &PathPlan,
+    kind: AccelKind,
+    clear: &[bool],
+    objects: &HashMap<u32, u32>,
+) -> Result<FaceTables, BackendError> {
+    let g = &scene.geometry;
+    let (mut vertices, mut faces, mut list) = (Vec::new(), Vec::new(), Vec::new());
+    for (prim_ix, prim) in g.prims.iter().enumerate().filter(|(_, p)| p.flags & prim_flags::HIDDEN == 0) {
+        debug_assert!(matches!(prim.kind, PrimKind::Mesh | PrimKind::BicubicPatch), "the others were refused");
+        let shape = &g.shapes.meshes[prim.shape_ix as usize];
+        let t = &g.transforms[prim.transform_ix as usize];
+        let first = vertices.len() as u32;
+        vertices.extend(shape.mesh.vertices.iter().map(|v| t.point(v.as_dvec3()).as_vec3()));
+        for (face_ix, corners) in shape.mesh.faces.iter().enumerate() {
+            let material = material_of(scene, prim, face_ix)?;
+            faces.push(turned(t, corners.map(|v| first + v)));
+            list.push(Face { prim_ix: prim_ix as u32, face_ix: face_ix as u32, material });
+        }
+    }
+    let n = faces.len() as u32;
+    let tree = structure_of(kind, &Accel::Brute(n), &TrianglePrims { vertices: &vertices, faces: &faces });
+    let mut out = FaceTables { low: Vec3::splat(f32::MAX), high: Vec3::splat(f32::MIN), ..FaceTables::default() };
+    for v in faces.iter().flatten().map(|k| vertices[*k as usize]) {
+        (out.low, out.high) = (out.low.min(v), out.high.max(v));
+    }
+    let emitter_of: HashMap<(u32, u32), u32> =
+        plan.lights.emitters.list.iter().enumerate().map(|(k, e)| ((e.prim_ix, e.face_ix), k as u32)).collect();
+    out.emitters = vec![0; plan.lights.emitters.list.len()];
+    for ix in &tree.order {
+        let Face { prim_ix, face_ix, material } = list[*ix as usize];
+        let prim = &g.prims[prim_ix as usize];
+        let (hung_at, mut bits) = hang(scene, prim, face_ix, &mut out.hung);
+        bits |= flag_bits(prim.flags) | if clear[material as usize] { face_bits::CLEAR } else { 0 };
+        let emitter = emitter_of.get(&(prim_ix, face_ix)).copied();
+        if let Some(k) = emitter {
+            out.emitters[k as usize] = out.faces.len() as u32;
+            bits |= if plan.lights.emitters.list[k as usize].front_only { face_bits::FRONT_ONLY } else { 0 };
+        }
+        out.corners.extend(faces[*ix as usize].map(|v| vertices[v as usize].extend(0.0).to_array()));
+        let object_at = objects.get(&prim_ix).copied().unwrap_or(0);
+        out.faces.push([material | bits, hung_at, object_at, emitter.map_or(0, |k| k + 1)]);
+        out.bits |= bits;
+    }
+    out.tree = tree;
+    Ok(out)
+}
+
+/// Corners so that the front is where the object's own goes: a mirror turns them round.
+fn turned<T: Copy>(t: &Transform, [a, b, c]: [T; 3]) -> [T; 3] {
+    if t.forward.matrix3.determinant() < 0.0 { [a, c, b] } else { [a, b, c] }
+}
+
+/// Into `TextureTables::principled`.
+fn material_of(scene: &CompiledScene, prim: &Prim, face_ix: usize) -> Result<u32, BackendError> {
+    let g = &scene.geometry;
+    let shape = &g.shapes.meshes[prim.shape_ix as usize];
+    let refused = |what: &str| Err(BackendError::Unsupported(format!("path tracing of {what}")));
+    let texture = match shape.mesh.face_textures.get(face_ix) {
+        Some([a, b, c]) if a != b || a != c => return refused("faces with several textures"),
+        Some([k, ..]) if *k != u32::MAX => shape.textures.get(*k as usize).copied().unwrap_or(NONE),
+        _ => g.surfaces[prim.surface_ix as usize].texture,
+    };
+    match scene.textures.textures.get(texture as usize) {
+        Some(TextureNode::Principled(ix)) if *ix <= face_bits::MATERIAL => Ok(*ix),
+        _ => refused("objects without a material"),
+    }
+}
+
+fn flag_bits(flags: u32) -> u32 {
+    let has = |f: u32| u32::from(flags & f != 0);
+    let unseen = has(prim_flags::NO_IMAGE)
+        | has(prim_flags::NO_DIFFUSE | prim_flags::NO_RADIOSITY) << 1
+        | has(prim_flags::NO_GLOSSY | prim_flags::NO_REFLECTION) << 2
+        | has(prim_flags::NO_TRANSMISSION) << 3;
+    (face_bits::UNSEEN * unseen) | (face_bits::NO_SHADOW * has(prim_flags::NO_SHADOW))
+}
+
+/// What hangs on the corners of a face: its place, and the bits that say what there is.
+fn hang(scene: &CompiledScene, prim: &Prim, face_ix: u32, words: &mut Vec<u32>) -> (u32, u32) {
+    let g = &scene.geometry;
+    let mesh = &g.shapes.meshes[prim.shape_ix as usize].mesh;
+    let t = &g.transforms[prim.transform_ix as usize];
+    let (at, mut bits, face) = (words.len() as u32, 0, face_ix as usize);
+    if let Some(ix) = mesh.normal_indices.get(face).filter(|n| n[0] != u32::MAX) {
+        bits |= face_bits::SMOOTH;
+        let normal = |k: u32| t.normal(mesh.normals.get(k as usize).map_or(DVec3::ZERO, |n| n.as_dvec3())).as_vec3();
+        words.extend(turned(t, ix.map(normal)).iter().flat_map(|n| n.to_array()).map(f32::to_bits));
+    }
+    if let Some(ix) = mesh.uv_indices.get(face) {
+        bits |= face_bits::UV;
+        let uv = ix.map(|k| mesh.uvs.get(k as usize).copied().unwrap_or([0.0; 2]));
+        words.extend(turned(t, uv).iter().flatten().map(|v| v.to_bits()));
+    }
+    if !mesh.colors.is_empty() {
+        bits |= face_bits::COLORS;
+        let colors = mesh.faces[face].map(|k| mesh.colors.get(k as usize).copied().unwrap_or([1.0; 4]));
+        words.extend(turned(t, colors).iter().flat_map(|c| [c[0], c[1], c[2]]).map(f32::to_bits));
+    }
+    (at, bits)
+}
+
+/// Words of an object as tangents look at it: two rows of the map to its box (-0.5..0.5), two columns of the map of normals.
+pub(super) fn object_words(scene: &CompiledScene, prim: &Prim) -> Vec<u32> {
+    let g = &scene.geometry;
+    let t = &g.transforms[prim.transform_ix as usize];
+    let b = &g.shapes.meshes[prim.shape_ix as usize].bounds;
+    let (center, size) = (0.5 * (b.min + b.max), (b.max - b.min).max(DVec3::splat(1e-12)));
+    let m = t.inverse.matrix3;
+    let rows = (0..2).flat_map(|k| {
+        let row = DVec3::new(m.x_axis[k], m.y_axis[k], m.z_axis[k]) / size[k];
+        [row.x, row.y, row.z, (t.inverse.translation[k] - center[k]) / size[k]]
+    });
+    let columns = [DVec3::X, DVec3::Y].into_iter().flat_map(|n| t.normal(n).to_array());
+    rows.chain(columns).map(|v| (v as f32).to_bits()).collect()
+}

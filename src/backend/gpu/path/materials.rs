@@ -1,0 +1,387 @@
+//! Materials of the path integrator as words: a list of steps over the tree of closures, and a record for each closure.
+//! Twins: `shaders/path/closures.wesl`, `shaders/path/shading.wesl`, `shaders/path/principled.wesl`.
+
+use super::super::buffers::append;
+use super::inputs::{Encoder, refused};
+use super::tables::AlbedoTables;
+use crate::backend::BackendError;
+use crate::kernel::bsdf::albedo::dielectric_mean;
+use crate::kernel::bsdf::fresnel::{eta_of, f0_of};
+use crate::math::{Rgb, Vec3};
+use crate::scene::input::Scalar;
+use crate::scene::shader::{Closure, Distribution, MixFactor, PrincipledClosure, Shader};
+
+/// Words of the Principled closure: name and length.
+const PRINCIPLED: &[(&str, u32)] = &[
+    ("KIND", 1),
+    ("BASE_COLOR", 4),
+    ("METALLIC", 2),
+    ("ROUGHNESS", 2),
+    ("ALPHA", 2),
+    ("NORMAL", 1),
+    ("MULTI", 1),
+    ("DIFFUSE_ROUGHNESS", 2),
+    ("SPECULAR_TINT", 4),
+    ("SPECULAR_ETA", 1),
+    ("SPECULAR_F0", 1),
+    ("SPECULAR_TABLE", 1),
+    ("SPECULAR_MEAN", 1),
+    ("ANISOTROPIC", 2),
+    ("ANISOTROPIC_ROTATION", 2),
+    ("TRANSMISSION", 2),
+    ("GLASS", 3),
+    ("COAT_WEIGHT", 2),
+    ("COAT_ROUGHNESS", 2),
+    ("COAT", 2),
+    ("COAT_TINT", 4),
+    ("COAT_NORMAL", 1),
+    ("SHEEN_WEIGHT", 2),
+    ("SHEEN_ROUGHNESS", 2),
+    ("SHEEN_TINT", 4),
+    ("EMISSION_COLOR", 4),
+    ("EMISSION_STRENGTH", 2),
+    ("FILM_THICKNESS", 2),
+    ("FILM_IOR", 2),
+];
+const CLOSURES: [&str; 9] = ["PRINCIPLED", "EMISSION", "TRANSPARENT", "DIFFUSE", "TRANSLUCENT", "SHEEN", "GLOSSY", "GLASS", "REFRACTION"];
+const MIXES: [&str; 4] = ["SCALAR", "FRESNEL", "FACING", "BACK"];
+const STEPS: [&str; 4] = ["CLOSURE", "MIX", "ADD", "BACK"];
+/// Words of a material before its steps: bits, emission of front and back, number of steps.
+const STEPS_AT: u32 = 8;
+const CLEAR_SHADOW: u32 = 1;
+const PLAIN_EMISSION: u32 = 2;
+
+/// Names and numbers for the shaders.
+pub(super) fn material_constants() -> Vec<(String, u32)> {
+    let mut at = 0;
+    let places = PRINCIPLED.iter().map(|(name, len)| {
+        at += len;
+        (format!("P_{name}"), at - len)
+    });
+    let numbered = |prefix: &str, names: &[&str]| (0..).zip(names).map(|(k, n)| (format!("{prefix}_{n}"), k)).collect::<Vec<_>>();
+    let others = [
+        ("MATERIAL_EMISSION", 1),
+        ("MATERIAL_N_STEPS", 7),
+        ("MATERIAL_STEPS", STEPS_AT),
+        ("MATERIAL_CLEAR_SHADOW", CLEAR_SHADOW),
+        ("MATERIAL_PLAIN_EMISSION", PLAIN_EMISSION),
+    ];
+    places
+        .chain(numbered("CLOSURE", &CLOSURES))
+        .chain(numbered("MIX", &MIXES))
+        .chain(numbered("STEP", &STEPS))
+        .chain(others.map(|(n, v)| (n.to_owned(), v)))
+        .collect()
+}
+
+/// What the shaders must have room for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Room {
+    /// Lobes of a hit.
+    pub lobes: u32,
+    /// Closures that wait for their weight.
+    pub stack: u32,
+    /// Closures of a material.
+    pub closures: u32,
+}
+
+/// Encodes materials; gives the place of the list of their places, and for each whether shadow rays go on behind it.
+pub(super) fn encode_materials(
+    list: &[std::sync::Arc<Shader>],
+    e: &mut Encoder,
+    tables: &mut AlbedoTables,
+    room: &mut Room,
+) -> Result<(u32, Vec<bool>), BackendError> {
+    let mut places = Vec::with_capacity(list.len());
+    let mut clear = Vec::with_capacity(list.len());
+    for shader in list {
+        let mut steps = Vec::new();
+        let mut own = Room::default();
+        if let Some(c) = &shader.surface {
+            Steps { e, tables, room: &mut own, depth: 0, steps: &mut steps }.add(c)?;
+        } else {
+            e.features.insert("passes");
+        }
+        own.closures = steps.chunks(2).filter(|s| s[0] == 0).count() as u32;
+        *room = Room { lobes: room.lobes.max(own.lobes), stack: room.stack.max(own.stack), closures: room.closures.max(own.closures) };
+        let goes_on = shader.may_let_through() && (shader.transparent_shadow || shader.surface.is_none());
+        let emission = shader.surface.as_ref().map_or(Some([Vec3::ZERO; 2]), plain_emission);
+        if emission.is_none() {
+            e.features.insert("varying_emission");
+        }
+        let flag = |holds: bool, bit: u32| if holds { bit } else { 0 };
+        let mut w = vec![flag(goes_on, CLEAR_SHADOW) | flag(emission.is_some(), PLAIN_EMISSION)];
+        w.extend(emission.unwrap_or_default().iter().flat_map(|c| c.to_array()).map(f32::to_bits));
+        w.push(steps.len() as u32 / 2);
+        w.extend(steps);
+        places.push(append(&mut e.words, w));
+        clear.push(goes_on);
+    }
+    Ok((append(&mut e.words, places), clear))
+}
+
+/// The light of a closure, of front and back, where it is the same everywhere.
+fn plain_emission(c: &Closure) -> Option<[Rgb; 2]> {
+    let never = |s: &Scalar| s.as_constant().is_some_and(|v| v <= 0.0);
+    let both = |a: [Rgb; 2], b: [Rgb; 2], wa: [f32; 2], wb: [f32; 2]| [a[0] * wa[0] + b[0] * wb[0], a[1] * wa[1] + b[1] * wb[1]];
+    match c {
+        Closure::Emission { color, strength } => Some([color.as_constant()? * strength.as_constant()?; 2]),
+        Closure::Principled(p) if never(&p.emission_strength) => Some([Vec3::ZERO; 2]),
+        Closure::Principled(p) if never(&p.sheen_weight) && never(&p.coat_weight) && p.alpha.as_constant() == Some(1.0) => {
+            Some([p.emission_color.as_constant()? * p.emission_strength.as_constant()?; 2])
+        }
+        Closure::Principled(_) => None,
+        Closure::Add(a, b) => Some(both(plain_emission(a)?, plain_emission(b)?, [1.0; 2], [1.0; 2])),
+        Closure::Mix { factor, a, b } => {
+            let (a, b) = (plain_emission(a)?, plain_emission(b)?);
+            match factor {
+                MixFactor::Backfacing => Some([a[0], b[1]]),
+                MixFactor::Scalar(f) if f.as_constant().is_some() => {
+                    let f = f.as_constant()?.clamp(0.0, 1.0);
+                    Some(both(a, b, [1.0 - f; 2], [f; 2]))
+                }
+                _ => (a == [Vec3::ZERO; 2] && b == a).then_some(a),
+            }
+        }
+        _ => Some([Vec3::ZERO; 2]),
+    }
+}
+
+fn is_zero(s: &Scalar) -> bool {
+    s.as_constant() == Some(0.0)
+}
+
+/// The steps of one material.
+struct Steps<'s> {
+    e: &'s mut Encoder,
+    tables: &'s mut AlbedoTables,
+    room: &'s mut Room,
+    depth: u32,
+    steps: &'s mut Vec<u32>,
+}
+
+impl Steps<'_> {
+    fn need(&mut self, feature: &'static str) {
+        self.e.features.insert(feature);
+    }
+
+    fn facets(&mut self, lobes: u32) {
+        self.need("microfacets");
+        self.room.lobes += lobes;
+    }
+
+    fn constant(&self, s: &Scalar, what: &str) -> Result<f32, BackendError> {
+        s.as_constant().map_or_else(|| refused(what), Ok)
+    }
+
+    fn add(&mut self, c: &Closure) -> Result<(), BackendError> {
+        match c {
+            Closure::Mix { factor, a, b } => {
+                self.need("mixes");
+                let (kind, value) = match factor {
+                    MixFactor::Scalar(s) => (0, s.clone()),
+                    MixFactor::Fresnel(s) => {
+                        self.need("microfacets");
+                        (1, s.clone())
+                    }
+                    MixFactor::Facing(s) => (2, s.clone()),
+                    MixFactor::Backfacing => (3, Scalar::constant(0.0)),
+                };
+                let [x, y] = self.e.scalar(&value)?;
+                let at = append(&mut self.e.words, [kind, x, y]);
+                self.both(1, at, a, b)
+            }
+            Closure::Add(a, b) => {
+                self.need("mixes");
+                self.both(2, 0, a, b)
+            }
+            leaf => {
+                let place = self.closure(leaf)?;
+                self.steps.extend([0, place]);
+                Ok(())
+            }
+        }
+    }
+
+    fn both(&mut self, step: u32, at: u32, a: &Closure, b: &Closure) -> Result<(), BackendError> {
+        self.steps.extend([step, at]);
+        self.depth += 1;
+        self.room.stack = self.room.stack.max(self.depth);
+        self.add(a)?;
+        self.depth -= 1;
+        self.steps.extend([3, 0]);
+        self.add(b)
+    }
+
+    /// Place of a closure's words.
+    fn closure(&mut self, c: &Closure) -> Result<u32, BackendError> {
+        let kind = |name: &str| CLOSURES.iter().position(|n| *n == name).expect("a name of the list") as u32;
+        let w = match c {
+            Closure::Principled(p) => return self.principled(p),
+            Closure::Emission { color, strength } => {
+                self.need("plain_emission");
+                [&[kind("EMISSION")][..], &self.e.color(color)?, &self.e.scalar(strength)?].concat()
+            }
+            Closure::Transparent { color } => {
+                self.need("passes");
+                [&[kind("TRANSPARENT")][..], &self.e.color(color)?].concat()
+            }
+            Closure::Diffuse { color, roughness, normal } => {
+                self.room.lobes += 1;
+                if !is_zero(roughness) {
+                    self.need("oren_nayar");
+                }
+                let normal = self.e.normal(normal.as_deref())?;
+                [&[kind("DIFFUSE")][..], &self.e.color(color)?, &[normal], &self.e.scalar(roughness)?].concat()
+            }
+            Closure::Translucent { color, normal } => {
+                self.room.lobes += 1;
+                self.need("translucent");
+                let normal = self.e.normal(normal.as_deref())?;
+                [&[kind("TRANSLUCENT")][..], &self.e.color(color)?, &[normal]].concat()
+            }
+            Closure::Sheen { color, roughness, normal } => {
+                self.room.lobes += 1;
+                self.need("sheen");
+                self.need("plain_sheen");
+                let normal = self.e.normal(normal.as_deref())?;
+                [&[kind("SHEEN")][..], &self.e.color(color)?, &[normal], &self.e.scalar(roughness)?].concat()
+            }
+            Closure::Glossy { distribution, color, roughness, anisotropy, rotation, normal } => {
+                self.facets(1);
+                self.need("plain_glossy");
+                if !is_zero(anisotropy) {
+                    self.need("anisotropic");
+                }
+                let multi = *distribution == Distribution::MultiGgx;
+                if multi {
+                    self.tables.mirror(roughness);
+                }
+                let normal = self.e.normal(normal.as_deref())?;
+                let (a, r) = (self.e.scalar(anisotropy)?, self.e.scalar(rotation)?);
+                let head = [&[kind("GLOSSY")][..], &self.e.color(color)?, &[normal], &self.e.scalar(roughness)?].concat();
+                [&head[..], &a, &r, &[u32::from(multi)]].concat()
+            }
+            Closure::Glass { distribution, color, roughness, ior, normal } => {
+                self.facets(1);
+                self.need("refraction");
+                self.need("plain_glass");
+                let normal = self.e.normal(normal.as_deref())?;
+                let glass = self.glass_words(*distribution, ior, roughness)?;
+                [&[kind("GLASS")][..], &self.e.color(color)?, &[normal], &self.e.scalar(roughness)?, &glass].concat()
+            }
+            Closure::Refraction { color, roughness, ior, normal, .. } => {
+                self.facets(1);
+                self.need("refraction");
+                self.need("plain_refraction");
+                let ior = self.constant(ior, "pictures as indices of refraction")?.max(1e-5);
+                let normal = self.e.normal(normal.as_deref())?;
+                [&[kind("REFRACTION")][..], &self.e.color(color)?, &[normal], &self.e.scalar(roughness)?, &[ior.to_bits()]].concat()
+            }
+            Closure::Subsurface { .. } => return refused("subsurface light"),
+            Closure::Hair(_) => return refused("hair"),
+            Closure::Holdout => return refused("holdouts"),
+            Closure::Mix { .. } | Closure::Add(..) => unreachable!("they are steps"),
+        };
+        Ok(append(&mut self.e.words, w))
+    }
+
+    /// Index, and tables of light from both sides.
+    fn glass_words(&mut self, d: Distribution, ior: &Scalar, roughness: &Scalar) -> Result<[u32; 3], BackendError> {
+        let ior = self.constant(ior, "pictures as indices of refraction")?.max(1e-5);
+        let tables = match d {
+            Distribution::Ggx => [0, 0],
+            Distribution::MultiGgx => [ior, 1.0 / ior].map(|eta| self.tables.glass(eta, roughness, &mut self.e.words)),
+        };
+        Ok([ior.to_bits(), tables[0], tables[1]])
+    }
+
+    fn principled(&mut self, p: &PrincipledClosure) -> Result<u32, BackendError> {
+        if p.thin_walled && !is_zero(&p.transmission_weight) {
+            return refused("thin walls");
+        }
+        if !is_zero(&p.subsurface_weight) {
+            return refused("subsurface light");
+        }
+        self.need("principled");
+        self.room.lobes += 1;
+        let uses = [
+            (&p.metallic, "metal", true),
+            (&p.transmission_weight, "principled_glass", true),
+            (&p.transmission_weight, "refraction", false),
+            (&p.coat_weight, "coat", true),
+            (&p.sheen_weight, "sheen", true),
+            (&p.emission_strength, "principled_emission", false),
+            (&p.diffuse_roughness, "oren_nayar", false),
+            (&p.anisotropic, "anisotropic", false),
+            (&p.thin_film_thickness, "thin_film", false),
+        ];
+        for (input, feature, is_lobe) in uses {
+            if !is_zero(input) {
+                self.need(feature);
+                self.room.lobes += u32::from(is_lobe);
+            }
+        }
+        if p.alpha.as_constant() != Some(1.0) {
+            self.need("passes");
+        }
+        let ior = self.constant(&p.ior, "pictures as indices of refraction")?.max(1e-5);
+        let level = self.constant(&p.specular_ior_level, "pictures as specular levels")?.max(0.0);
+        // As `Builder::specular` has it.
+        let (mut eta, mut f0) = (ior, f0_of(ior));
+        if level != 0.5 {
+            f0 *= 2.0 * level;
+            eta = eta_of(f0);
+            if ior < 1.0 {
+                eta = 1.0 / eta;
+            }
+        }
+        let has_highlight = f0 > 0.0 || eta != 1.0;
+        if has_highlight {
+            self.need("specular");
+            self.room.lobes += 1;
+        }
+        let has_facets = has_highlight || [&p.metallic, &p.transmission_weight, &p.coat_weight].iter().any(|s| !is_zero(s));
+        let mut table = 0;
+        if has_facets {
+            self.need("microfacets");
+            table = self.tables.dielectric(eta, &p.roughness, &mut self.e.words);
+            self.tables.mirror(&p.roughness);
+        }
+        let coat_ior = self.constant(&p.coat_ior, "pictures as indices of refraction")?.max(1.0);
+        let coat_table = if is_zero(&p.coat_weight) { 0 } else { self.tables.dielectric(coat_ior, &p.coat_roughness, &mut self.e.words) };
+        let glass = if is_zero(&p.transmission_weight) { [0; 3] } else { self.glass_words(p.distribution, &p.ior, &p.roughness)? };
+        let multi = u32::from(p.distribution == Distribution::MultiGgx);
+        let normal = self.e.normal(p.normal.as_deref())?;
+        let coat_normal = self.e.normal(p.coat_normal.as_deref())?;
+        let n = f32::to_bits;
+        let e = &mut *self.e;
+        let mut w = vec![0];
+        w.extend(e.color(&p.base_color)?);
+        w.extend(e.scalar(&p.metallic)?);
+        w.extend(e.scalar(&p.roughness)?);
+        w.extend(e.scalar(&p.alpha)?);
+        w.extend([normal, multi]);
+        w.extend(e.scalar(&p.diffuse_roughness)?);
+        w.extend(e.color(&p.specular_tint)?);
+        w.extend([n(eta), n(f0), table, n(dielectric_mean(eta))]);
+        w.extend(e.scalar(&p.anisotropic)?);
+        w.extend(e.scalar(&p.anisotropic_rotation)?);
+        w.extend(e.scalar(&p.transmission_weight)?);
+        w.extend(glass);
+        w.extend(e.scalar(&p.coat_weight)?);
+        w.extend(e.scalar(&p.coat_roughness)?);
+        w.extend([n(coat_ior), coat_table]);
+        w.extend(e.color(&p.coat_tint)?);
+        w.push(coat_normal);
+        w.extend(e.scalar(&p.sheen_weight)?);
+        w.extend(e.scalar(&p.sheen_roughness)?);
+        w.extend(e.color(&p.sheen_tint)?);
+        w.extend(e.color(&p.emission_color)?);
+        w.extend(e.scalar(&p.emission_strength)?);
+        w.extend(e.scalar(&p.thin_film_thickness)?);
+        w.extend(e.scalar(&p.thin_film_ior)?);
+        debug_assert_eq!(w.len() as u32, PRINCIPLED.iter().map(|f| f.1).sum::<u32>(), "as the shader reads it");
+        Ok(append(&mut e.words, w))
+    }
+}

@@ -1,0 +1,30 @@
+//! What the path integrator on the GPU declines. Everything here gives one line that names the feature; the caller renders on the CPU
+//! instead. UNSUPPORTED.md has the same list, under "GPU".
+
+use crate::compile::geometry::{PrimKind, prim_flags};
+use crate::compile::texture::TextureNode;
+use crate::compile::{CompiledScene, NONE};
+use crate::integrate::path::PathPlan;
+use crate::integrate::path::lights::environment::Kind;
+use crate::scene::Projection;
+
+/// The first obstacle, if there is one. What a material alone asks for is found when it is encoded.
+pub(super) fn first_obstacle(scene: &CompiledScene, plan: &PathPlan) -> Option<String> {
+    let g = &scene.geometry;
+    let shown = || g.prims.iter().filter(|p| p.flags & prim_flags::HIDDEN == 0);
+    if let Some(p) = shown().find(|p| !matches!(p.kind, PrimKind::Mesh | PrimKind::BicubicPatch)) {
+        return Some(format!("path tracing of {} objects", super::super::support::object_name(p.kind)));
+    }
+    let plain = |ix: u32| ix != NONE && !matches!(scene.textures.textures[ix as usize], TextureNode::Principled(_));
+    let of_mesh = |p: &crate::compile::geometry::Prim| g.shapes.meshes[p.shape_ix as usize].textures.iter().any(|t| plain(*t));
+    let listed = [
+        (shown().any(|p| plain(g.surfaces[p.surface_ix as usize].texture) || of_mesh(p)), "POV-Ray's textures"),
+        (shown().any(|p| p.clip_len > 0 || p.flags & (prim_flags::BOUNDED | prim_flags::INVERTED) != 0), "clipped meshes"),
+        (plan.has_motion, "motion blur"),
+        (plan.has_volumes, "volumes"),
+        (!plan.lights.plain.is_empty(), "POV-Ray's light sources"),
+        (matches!(plan.lights.environment.kind, Kind::Pov), "POV-Ray's sky"),
+        (!matches!(scene.camera.projection, Projection::Perspective | Projection::Orthographic), "panoramas"),
+    ];
+    listed.iter().find(|(holds, _)| *holds).map(|(_, what)| format!("path tracing of {what}"))
+}

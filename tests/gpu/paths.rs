@@ -1,0 +1,204 @@
+//! The path integrator on the GPU against the CPU's: both draw the same numbers, so few samples tell.
+
+use crate::found;
+use rayloom::backend::cpu::CpuBackend;
+use rayloom::backend::gpu::{GpuBackend, GpuOptions};
+use rayloom::backend::{Backend, BackendError};
+use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
+use rayloom::diag::Sink;
+use rayloom::film::Film;
+use rayloom::integrate::{IntegratorKind, RenderSettings};
+use rayloom::math::{DVec3, Transform, Vec3};
+use rayloom::scene::input::{Color, Scalar};
+use rayloom::scene::lamp::LampShape;
+use rayloom::scene::shader::{Closure, Distribution, MixFactor, PrincipledClosure, Shader};
+use rayloom::scene::{Environment, Lamp, Light, Mesh, Object, Principled, Scene, Shape, Texture};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+const SIZE: [u32; 2] = [48, 36];
+/// A channel is the same when it differs by no more than this share, or by so little.
+const SAME: (f32, f32) = (2e-3, 1e-4);
+
+fn gpu() -> Option<GpuBackend> {
+    found(GpuBackend::new(&GpuOptions { accept_software: true, ..GpuOptions::default() }))
+}
+
+fn covered(mesh: Mesh, surface: Closure) -> Object {
+    let shader = Shader { surface: Some(surface), transparent_shadow: true, ..Shader::default() };
+    let mut o = Object::new(Shape::Mesh(Arc::new(mesh)));
+    o.texture = Some(Arc::new(Texture::Principled(Box::new(Principled { shader: Some(Arc::new(shader)), ..Principled::default() }))));
+    o
+}
+
+fn square(corners: [[f32; 3]; 4]) -> Mesh {
+    Mesh { vertices: corners.map(Vec3::from_array).to_vec(), faces: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
+}
+
+/// A ball of 12 x 8 pieces with smooth normals.
+fn ball(middle: Vec3, radius: f32) -> Mesh {
+    let (n, m) = (12u32, 8u32);
+    let mut mesh = Mesh::default();
+    for j in 0..=m {
+        for i in 0..n {
+            let (t, p) = (std::f32::consts::PI * j as f32 / m as f32, std::f32::consts::TAU * i as f32 / n as f32);
+            let d = Vec3::new(t.sin() * p.cos(), t.sin() * p.sin(), t.cos());
+            mesh.vertices.push(middle + radius * d);
+            mesh.normals.push(d);
+        }
+    }
+    for (j, i) in (0..m).flat_map(|j| (0..n).map(move |i| (j, i))) {
+        let at = |j: u32, i: u32| j * n + i % n;
+        if j > 0 {
+            mesh.faces.push([at(j, i), at(j + 1, i), at(j, i + 1)]);
+        }
+        if j + 1 < m {
+            mesh.faces.push([at(j, i + 1), at(j + 1, i), at(j + 1, i + 1)]);
+        }
+    }
+    mesh.normal_indices = mesh.faces.clone();
+    mesh
+}
+
+fn diffuse(r: f32, g: f32, b: f32) -> Closure {
+    Closure::Diffuse { color: Color::constant(Vec3::new(r, g, b)), roughness: 0.0.into(), normal: None }
+}
+
+fn lamp(shape: LampShape, power: f32, at: DVec3) -> Light {
+    // Lamps look along -z.
+    let lamp = Lamp::new(shape, Vec3::splat(power), Transform::translation(at));
+    Light { lamp: Some(Box::new(lamp)), ..Light::point(at, Vec3::ONE) }
+}
+
+/// A floor with balls of `closures` on it, seen from the front and above; +z is up.
+fn scene_of(closures: Vec<Closure>, lights: Vec<Light>, sky: f32) -> Scene {
+    let floor = square([[-4.0, -3.0, 0.0], [4.0, -3.0, 0.0], [4.0, 4.0, 0.0], [-4.0, 4.0, 0.0]]);
+    let mut scene = Scene { objects: vec![covered(floor, diffuse(0.7, 0.6, 0.5))], lights, ..Scene::default() };
+    let n = closures.len() as f32;
+    for (k, c) in closures.into_iter().enumerate() {
+        let x = 1.3 * (k as f32 - 0.5 * (n - 1.0));
+        scene.objects.push(covered(ball(Vec3::new(x, 0.0, 0.62), 0.6), c));
+    }
+    scene.environment = Some(Environment::constant(Vec3::new(sky, sky, 1.2 * sky)));
+    scene.camera.location = DVec3::new(0.0, -6.0, 2.5);
+    scene.camera.direction = DVec3::new(0.0, 1.0, -0.32);
+    scene.camera.right = DVec3::new(0.9, 0.0, 0.0);
+    scene.camera.up = DVec3::new(0.0, 0.2, 0.65);
+    scene
+}
+
+fn compiled(scene: &Scene) -> CompiledScene {
+    compile_scene(scene, &CompileOptions::default(), &mut Sink::default()).expect("compiles")
+}
+
+fn render(backend: &dyn Backend, scene: &CompiledScene, samples: std::ops::Range<u32>) -> Result<Film, BackendError> {
+    let settings = RenderSettings { integrator: IntegratorKind::Path, samples, threads: 2, ..RenderSettings::plain(SIZE[0], SIZE[1]) };
+    let mut film = Film::new(settings.width, settings.height);
+    backend.render(scene, &settings, &mut film, &(), &AtomicBool::new(false))?;
+    Ok(film)
+}
+
+/// Share of pixels that are the same, and the means of both.
+fn compare(a: &Film, b: &Film) -> (f64, f64, f64) {
+    let near = |x: f32, y: f32| (x - y).abs() <= SAME.0 * x.abs().max(y.abs()) + SAME.1;
+    let same = a.pixels.iter().zip(&b.pixels).filter(|(p, q)| (0..4).all(|k| near(p[k], q[k]))).count();
+    let mean = |f: &Film| f.pixels.iter().map(|p| f64::from(p[0] + p[1] + p[2])).sum::<f64>() / (3 * f.pixels.len()) as f64;
+    (same as f64 / a.pixels.len() as f64, mean(a), mean(b))
+}
+
+/// Both machines give the same picture but for paths that rounding sends elsewhere.
+fn agrees(name: &str, scene: &Scene, least_same: f64) {
+    let Some(gpu) = gpu() else { return };
+    let scene = compiled(scene);
+    let ours = render(&gpu, &scene, 0..4).expect("renders");
+    let gold = render(&CpuBackend::new(2), &scene, 0..4).expect("renders");
+    assert!(ours.samples.iter().all(|n| *n == 4));
+    let (same, mean, want) = compare(&ours, &gold);
+    println!("{name}: {:.2} % of pixels are the same, means {mean:.5} and {want:.5}", 100.0 * same);
+    assert!(want > 0.01, "{name}: there is something to see");
+    assert!(same >= least_same && (mean / want - 1.0).abs() < 5e-3, "{name}: {same} {mean} {want}");
+}
+
+#[test]
+fn lamps_of_all_kinds_light_the_same() {
+    use std::f64::consts::PI;
+    let lights = vec![
+        lamp(LampShape::Point { radius: 0.0, soft_falloff: true }, 60.0, DVec3::new(-2.0, -2.0, 3.0)),
+        lamp(LampShape::Point { radius: 0.3, soft_falloff: false }, 60.0, DVec3::new(2.5, -1.0, 2.0)),
+        lamp(LampShape::Spot { radius: 0.1, soft_falloff: true, angle_rad: 0.9, blend: 0.3 }, 200.0, DVec3::new(0.0, 0.5, 4.0)),
+        lamp(LampShape::Area { ellipse: false, size: [1.0, 2.0], spread_rad: PI }, 80.0, DVec3::new(-1.0, 1.0, 3.0)),
+        lamp(LampShape::Area { ellipse: true, size: [1.0, 1.0], spread_rad: 2.0 }, 80.0, DVec3::new(1.5, 2.0, 3.0)),
+        lamp(LampShape::Sun { angle_rad: 0.1 }, 0.5, DVec3::new(0.0, 0.0, 5.0)),
+    ];
+    agrees("lamps", &scene_of(vec![diffuse(0.8, 0.3, 0.2), diffuse(0.3, 0.8, 0.2)], lights, 0.1), 0.97);
+}
+
+#[test]
+fn principled_materials_answer_the_same() {
+    let p = |f: &dyn Fn(&mut PrincipledClosure)| {
+        let mut c = PrincipledClosure { base_color: Color::constant(Vec3::new(0.8, 0.5, 0.3)), ..PrincipledClosure::default() };
+        f(&mut c);
+        Closure::Principled(Box::new(c))
+    };
+    let closures = vec![
+        p(&|c| (c.metallic, c.roughness) = (1.0.into(), 0.3.into())),
+        p(&|c| (c.transmission_weight, c.roughness) = (1.0.into(), 0.1.into())),
+        p(&|c| (c.coat_weight, c.sheen_weight, c.diffuse_roughness) = (0.7.into(), 0.5.into(), 0.6.into())),
+        p(&|c| (c.alpha, c.emission_strength) = (0.6.into(), 0.4.into())),
+    ];
+    let light =
+        lamp(LampShape::Area { ellipse: false, size: [2.0, 2.0], spread_rad: std::f64::consts::PI }, 150.0, DVec3::new(-1.0, -1.0, 4.0));
+    agrees("principled", &scene_of(closures, vec![light], 0.3), 0.93);
+}
+
+#[test]
+fn trees_of_plain_closures_answer_the_same() {
+    let c = |v: f32| Color::constant(Vec3::new(v, 0.8 * v, 0.6 * v));
+    let glossy = Closure::Glossy {
+        distribution: Distribution::MultiGgx,
+        color: c(0.9),
+        roughness: 0.2.into(),
+        anisotropy: 0.0.into(),
+        rotation: 0.0.into(),
+        normal: None,
+    };
+    let glass = Closure::Glass { distribution: Distribution::Ggx, color: c(1.0), roughness: 0.0.into(), ior: 1.4.into(), normal: None };
+    let mix = |factor, a, b| Closure::Mix { factor, a: Box::new(a), b: Box::new(b) };
+    let shining = Closure::Emission { color: c(1.0), strength: 2.0.into() };
+    let sheen = Closure::Sheen { color: c(0.8), roughness: 0.4.into(), normal: None };
+    let closures = vec![
+        mix(MixFactor::Fresnel(Scalar::constant(1.5)), diffuse(0.2, 0.3, 0.8), glossy),
+        mix(MixFactor::Facing(Scalar::constant(0.4)), glass, Closure::Transparent { color: c(0.9) }),
+        mix(MixFactor::Backfacing, shining, diffuse(0.5, 0.5, 0.5)),
+        Closure::Add(Box::new(Closure::Translucent { color: c(0.5), normal: None }), Box::new(sheen)),
+    ];
+    agrees("closures", &scene_of(closures, Vec::new(), 0.4), 0.93);
+}
+
+#[test]
+fn ranges_of_samples_add_up_and_other_structures_see_the_same() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = compiled(&scene_of(vec![diffuse(0.8, 0.3, 0.2)], Vec::new(), 0.5));
+    let whole = render(&gpu, &scene, 0..3).expect("renders");
+    let parts = [render(&gpu, &scene, 0..1).expect("renders"), render(&gpu, &scene, 1..3).expect("renders")];
+    for (k, p) in whole.pixels.iter().enumerate() {
+        let joined: [f32; 4] = std::array::from_fn(|c| (parts[0].pixels[k][c] + 2.0 * parts[1].pixels[k][c]) / 3.0);
+        assert!((0..4).all(|c| (p[c] - joined[c]).abs() < 1e-5), "pixel {k}: {p:?} {joined:?}");
+    }
+    assert_ne!(parts[0].pixels, parts[1].pixels, "other samples are other numbers");
+    scene.options.accel = rayloom::accel::AccelKind::KdShort;
+    let (same, ..) = compare(&render(&gpu, &scene, 0..3).expect("renders"), &whole);
+    assert!(same > 0.99, "{same}");
+}
+
+#[test]
+fn what_is_not_done_is_named() {
+    let Some(gpu) = gpu() else { return };
+    let below = Closure::Principled(Box::new(PrincipledClosure { subsurface_weight: 1.0.into(), ..PrincipledClosure::default() }));
+    let error = render(&gpu, &compiled(&scene_of(vec![below], Vec::new(), 0.5)), 0..1).expect_err("the CPU's matter");
+    assert!(matches!(&error, BackendError::Unsupported(what) if what.contains("subsurface")), "{error}");
+    let mut scene = scene_of(Vec::new(), Vec::new(), 0.5);
+    scene.objects.push(Object::new(Shape::Sphere { center: DVec3::Z, radius: 1.0 }));
+    let error = render(&gpu, &compiled(&scene), 0..1).expect_err("the CPU's matter");
+    assert!(matches!(&error, BackendError::Unsupported(what) if what.contains("sphere")), "{error}");
+}
