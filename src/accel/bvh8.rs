@@ -61,6 +61,8 @@ pub struct Bvh8 {
     pub slots: Vec<u32>,
     /// Box of all primitives.
     pub bounds: BoxF,
+    /// Every leaf has one primitive at most: its box is the primitive's.
+    pub is_single: bool,
     /// What came of the build.
     pub stats: AccelStats,
 }
@@ -85,7 +87,7 @@ const STEEPEST: f32 = 1e37;
 impl Bvh8Ray {
     /// For a usable ray in a tree whose largest absolute coordinate is `max_abs`.
     #[inline(always)]
-    fn new(ray: &Ray, max_abs: f32) -> Self {
+    pub fn new(ray: &Ray, max_abs: f32) -> Self {
         let (o, d) = (ray.origin.as_vec3(), ray.dir);
         // Twice the rounding of the origin, and of the sum with it.
         let slack = f32::EPSILON * (o.abs().max_element() + max_abs);
@@ -103,7 +105,7 @@ impl Bvh8Ray {
 
     /// A bit for each child whose box is met in `t_min..=t_max`, and where each is entered. 0 times infinity counts as met.
     #[inline(always)]
-    fn meet<S: Simd>(&self, s: S, node: &Bvh8Node, t_min: f32, t_max: f32) -> (u32, [f32; WIDTH]) {
+    pub fn meet<S: Simd>(&self, s: S, node: &Bvh8Node, t_min: f32, t_max: f32) -> (u32, [f32; WIDTH]) {
         let ((ax, bx), (ay, by), (az, bz)) = (self.slab(s, node, 0), self.slab(s, node, 1), self.slab(s, node, 2));
         let near = s.max_f32(ax, s.max_f32(ay, s.max_f32(az, s.splat_f32(t_min))));
         let far = s.min_f32(bx, s.min_f32(by, s.min_f32(bz, s.splat_f32(t_max))));

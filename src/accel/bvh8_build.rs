@@ -32,7 +32,8 @@ impl Bvh8 {
         let Collapse { nodes, slots, depth, .. } = c;
         let n_bytes = nodes.len() * size_of::<Bvh8Node>() + slots.len() * 4;
         let stats = AccelStats { n_nodes: nodes.len(), depth, n_bytes, build_seconds: seconds_since(start), ..binary.stats };
-        Self { nodes, slots, bounds: binary.bounds, stats }
+        let is_single = nodes.iter().all(|n| n.count.iter().all(|c| *c < 2));
+        Self { nodes, slots, bounds: binary.bounds, is_single, stats }
     }
 }
 

@@ -22,6 +22,7 @@ mod grid_build;
 mod kd;
 mod kd_build;
 mod kd_trail;
+mod shaft;
 mod slabs;
 mod stack;
 mod table;
@@ -36,6 +37,7 @@ pub use bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, LeafVisitor, NO_PRIM, PACK};
 pub use grid::{GRID_INNER, GRID_LEVELS, Grid, GridBox, GridCell, GridEntry, pack_cell};
 pub use kd::{KdNode, KdTree, KdWalk};
 pub use kd_trail::SHORT_STACK;
+pub use shaft::{Candidates, Shaft};
 pub use table::{AccelKind, STRUCTURES, Structure};
 pub use triangles::TrianglePrims;
 pub use wide::{WIDE_LEAF, WideBvh, WideNode};
@@ -154,6 +156,12 @@ impl Accel {
             AccelKind::KdShort => Self::Kd(KdTree { walk: KdWalk::ShortStack, ..KdTree::build(prims, options) }),
             AccelKind::KdRestart => Self::Kd(KdTree { walk: KdWalk::Restart, ..KdTree::build(prims, options) }),
         }
+    }
+
+    /// Whether a ray is offered each primitive at most once, and only when it meets a box that is the primitive's own (rounded outward).
+    #[inline]
+    pub fn tests_own_boxes(&self) -> bool {
+        matches!(self, Self::Bvh8(t) if t.is_single)
     }
 
     /// Which structure it is.

@@ -179,6 +179,7 @@ mod tests {
     use crate::compile::{CompileOptions, compile_scene};
     use crate::diag::Sink;
     use crate::math::{DVec3, Rgbft, Transform, Vec3};
+    use crate::scene::light::AreaLight;
     use crate::scene::shape::Shape;
     use crate::scene::{Light, Object, Scene, Texture};
     use std::sync::Arc;
@@ -219,6 +220,18 @@ mod tests {
             scene.objects.push(ball);
         }
         scene.lights.push(Light::point(DVec3::new(3.0, 1.0, -2.0), Vec3::new(0.5, 0.2, 0.1)));
+        let area = AreaLight {
+            axis1: DVec3::X,
+            axis2: DVec3::Z,
+            n1: 6,
+            n2: 7,
+            adaptive: 1,
+            jitter: true,
+            circular: false,
+            orient: true,
+            area_illumination: false,
+        };
+        scene.lights.push(Light { area: Some(area), ..Light::point(DVec3::new(-1.0, 3.0, 1.0), Vec3::splat(0.3)) });
         let without = CompileOptions { skip: false, ..CompileOptions::default() };
         let (a, b) = (render(&scene, &settings(1)), render_with(&scene, &settings(1), &without));
         assert_eq!(a.pixels, b.pixels);

@@ -10,7 +10,7 @@ use super::panorama;
 use super::pigment::eval_pigment;
 use crate::compile::CompiledScene;
 use crate::math::color::grey;
-use crate::math::{DVec2, DVec3, Ray};
+use crate::math::{Bounds, DVec2, DVec3, Ray};
 use crate::scene::Projection;
 use std::f64::consts::PI;
 
@@ -80,6 +80,19 @@ impl CameraModel {
             Projection::Perspective => self.lens.is_none(),
             Projection::Orthographic | Projection::Cylinder { kind: 3 | 4, .. } | Projection::Mesh { .. } => false,
             _ => true,
+        }
+    }
+
+    /// A box around the places that rays start from, where it is known; the picture and a frame of a pixel around it count.
+    pub fn origins(&self) -> Option<Bounds> {
+        let around = |reach: DVec3| Bounds { min: self.location - reach, max: self.location + reach };
+        match (&self.projection, &self.lens) {
+            (Projection::Perspective, Some(lens)) => Some(around(lens.reach())),
+            (Projection::Orthographic, None) => {
+                let part = DVec2::splat(0.5) + 1.5 / self.resolution;
+                Some(around(part.x * self.right.abs() + part.y * self.up.abs()))
+            }
+            _ => None,
         }
     }
 

@@ -73,6 +73,12 @@ impl Lens {
             })
     }
 
+    /// How far [`Lens::offset`] may reach along each axis.
+    pub fn reach(&self) -> DVec3 {
+        let r = self.half_aperture.abs() * (0.5 + 2.0 * self.jitter.abs()) * 1.001;
+        r * (self.axes[0].abs() + self.axes[1].abs())
+    }
+
     /// The place inside the pixel at (x, y) that sample `sample` looks through.
     pub fn pixel_position(&self, x: f64, y: f64, sample: u32) -> (f64, f64) {
         let seed = (313.0 * x + 11.0) as i64 + (311.0 * y + 17.0) as i64;

@@ -2,7 +2,7 @@
 //! Nothing here tests for shadow. Source: spec/light.md, section 6; spec/textures.md, section 12. Twin: `shaders/shared/light`.
 
 use crate::compile::LightBeam;
-use crate::math::{DVec3, EPSILON};
+use crate::math::{DVec3, EPSILON, to_power};
 use crate::scene::Light;
 use crate::scene::light::{AreaLight, Fade, LightKind};
 
@@ -47,7 +47,7 @@ pub fn attenuation(light: &Light, shape: &LightBeam, point: DVec3, ray: &LightRa
             // The edge is soft between the two cosines, whichever is larger; a radius of 90° and more has none.
             let is_edge = shape.cos_radius > 0.0 && cos < shape.cos_radius;
             let soft = if is_edge { smoothstep(shape.cos_falloff, shape.cos_radius, cos) } else { 1.0 };
-            if tightness == 0.0 || soft == 0.0 { soft } else { cos.powf(tightness) * soft }
+            if tightness == 0.0 || soft == 0.0 { soft } else { to_power(cos, tightness) * soft }
         }
         LightKind::Cylinder { radius, falloff, tightness } => {
             let from_light = point - light.location;
@@ -60,7 +60,7 @@ pub fn attenuation(light: &Light, shape: &LightBeam, point: DVec3, ray: &LightRa
                 return 0.0;
             }
             let x = 1.0 - r / falloff;
-            let k = if tightness == 0.0 { 1.0 } else { x.powf(tightness) };
+            let k = if tightness == 0.0 { 1.0 } else { to_power(x, tightness) };
             if radius > 0.0 && r > radius { k * smoothstep(0.0, 1.0 - radius / falloff, x) } else { k }
         }
     };

@@ -18,6 +18,7 @@ pub mod material;
 pub mod media;
 pub mod mesh_camera;
 pub mod normal;
+mod offers;
 pub mod panorama;
 pub mod pattern;
 pub mod pigment;

@@ -5,9 +5,11 @@
 use super::SurfaceHit;
 use super::inside::{inside_object, run_program};
 use super::intersect::{HitSink, LocalRay, Part, intersect_shape, shape_uv, world_normal};
+use super::offers::{Offers, Slabs};
+use crate::accel::Candidates;
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{Geometry, InsideProgram, Prim, prim_flags};
-use crate::math::{Bounds, DVec2, DVec3, Ray, Transform};
+use crate::math::{DVec2, DVec3, Ray, Transform};
 
 /// Smallest depth that any ray but a shadow ray accepts. Source: spec/objects.md, section 0.
 pub const MIN_DEPTH: f64 = 1e-4;
@@ -38,14 +40,9 @@ pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_
 
 /// As [`intersect`], with moving objects where they are at `time` (0..=1 over the shutter; [`REST`]: as they stand).
 pub fn intersect_at(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, skip_flags: u32) -> Option<SurfaceHit> {
-    let g = &scene.geometry;
     let mut nearest = Nearest::new(scene, ray, t_min, t_max);
     nearest.time = time;
-    for_candidates(g, &mut nearest, |nearest, prim_ix| {
-        if g.prims[prim_ix as usize].flags & skip_flags == 0 {
-            nearest.test(prim_ix);
-        }
-    });
+    for_candidates(&scene.geometry, &mut nearest, skip_flags);
     nearest.finish()
 }
 
@@ -77,11 +74,23 @@ fn test_object(scene: &CompiledScene, object_ix: u32, slabs: &Slabs, nearest: &m
 /// What lies on `ray` with `t_min < t < t_max`: stops at the first opaque hit found anywhere. Primitives without shadow are skipped.
 /// `last` (a primitive or `u32::MAX`) is tried first.
 pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
-    intersect_shadow_at(scene, ray, REST, t_min, t_max, last)
+    shadow(scene, ray, REST, t_min, t_max, last, None)
+}
+
+/// As [`intersect_shadow`] for a ray of a shaft that meets `among` alone (primitives without bounds not counted).
+pub fn intersect_shadow_among(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, last: u32, among: &Candidates) -> ShadowHit {
+    if among.is_empty() && scene.geometry.unbounded.is_empty() {
+        return ShadowHit::None;
+    }
+    shadow(scene, ray, REST, t_min, t_max, last, Some(among))
 }
 
 /// As [`intersect_shadow`], with moving objects where they are at `time`.
 pub fn intersect_shadow_at(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
+    shadow(scene, ray, time, t_min, t_max, last, None)
+}
+
+fn shadow(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, last: u32, among: Option<&Candidates>) -> ShadowHit {
     let g = &scene.geometry;
     // Opaque things end the ray wherever they are, so the nearest clear hit must not shorten it for them.
     let mut clear = Nearest::new(scene, ray, t_min.next_up(), t_max);
@@ -95,19 +104,24 @@ pub fn intersect_shadow_at(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f
             return ShadowHit::Opaque { prim_ix: last };
         }
     }
-    let slabs = Slabs::new(ray);
+    let mut offers = Offers::new(g, ray);
     let mut test = |prim_ix: u32, bounded: bool| {
         let flags = g.prims[prim_ix as usize].flags;
         if flags & prim_flags::NO_SHADOW != 0 || prim_ix == last {
             return false;
         }
         let sink = if flags & prim_flags::TRANSPARENT != 0 { &mut clear } else { &mut opaque };
-        if !bounded || (sink.is_new(prim_ix) && slabs.hits(&g.bounds[prim_ix as usize], sink.t)) {
+        if !bounded || offers.is_worth(prim_ix, sink.t) {
             sink.test(prim_ix);
         }
         opaque.found()
     };
-    if g.tree.any(ray, t_min, t_max, |k| test(g.bounded[k as usize], true)) || g.unbounded.iter().any(|p| test(*p, false)) {
+    let bounded = |k: u32| test(g.bounded[k as usize], true);
+    let blocked = match among {
+        Some(list) => list.any(ray, t_min, t_max, bounded),
+        None => g.tree.any(ray, t_min, t_max, bounded),
+    };
+    if blocked || g.unbounded.iter().any(|p| test(*p, false)) {
         return ShadowHit::Opaque { prim_ix: opaque.prim_ix };
     }
     clear.finish().map_or(ShadowHit::None, ShadowHit::Transparent)
@@ -131,55 +145,25 @@ fn meets_bounds(scene: &CompiledScene, object_ix: u32, ray: &Ray) -> bool {
     g.bounding_objects[range.start as usize..range.end as usize].iter().all(|b| inside_object(scene, *b, ray.origin) || meets(*b))
 }
 
-/// Tests the primitives that the ray may meet: those without bounds first, then the tree's, near ones first.
-fn for_candidates(g: &Geometry, nearest: &mut Nearest, mut test: impl FnMut(&mut Nearest, u32)) {
+/// Tests the primitives that the ray may meet and that have none of `skip_flags`: those without bounds first, then the tree's, near ones
+/// first.
+fn for_candidates(g: &Geometry, nearest: &mut Nearest, skip_flags: u32) {
     for prim_ix in &g.unbounded {
-        test(nearest, *prim_ix);
+        if g.prims[*prim_ix as usize].flags & skip_flags == 0 {
+            nearest.test(*prim_ix);
+        }
     }
     let (ray, t_min, t_max) = (nearest.ray, nearest.t_min, nearest.t);
-    let slabs = Slabs::new(ray);
+    let mut offers = Offers::new(g, ray);
     g.tree.closest(ray, t_min, t_max, |k, far| {
         let prim_ix = g.bounded[k as usize];
-        // A cell of the tree may be met where the primitive's box is not, and most shapes cost more than a box. What lay too far once
-        // does so ever after: the limit only shrinks.
-        if !nearest.is_new(prim_ix) || !slabs.hits(&g.bounds[prim_ix as usize], far) {
+        if g.prims[prim_ix as usize].flags & skip_flags != 0 || !offers.is_worth(prim_ix, far) {
             return None;
         }
-        test(nearest, prim_ix);
+        nearest.test(prim_ix);
         (nearest.t < far).then_some(nearest.t)
     });
 }
-
-/// A ray made ready for box tests.
-pub struct Slabs {
-    origin: DVec3,
-    inverse: DVec3,
-}
-
-impl Slabs {
-    /// For `ray`.
-    pub fn new(ray: &Ray) -> Self {
-        Self { origin: ray.origin, inverse: ray.dir.recip() }
-    }
-
-    /// Where the ray's line enters the box and where it leaves it, the first above the second when it misses.
-    #[inline]
-    pub fn interval(&self, b: &Bounds) -> (f64, f64) {
-        let (a, c) = ((b.min - self.origin) * self.inverse, (b.max - self.origin) * self.inverse);
-        // 0 * infinity is NaN where the ray runs in a face; f64::min and max then take the other side.
-        (a.x.min(c.x).max(a.y.min(c.y)).max(a.z.min(c.z)), a.x.max(c.x).min(a.y.max(c.y)).min(a.z.max(c.z)))
-    }
-
-    /// Whether the ray meets the box between 0 and `t_max`, both included.
-    #[inline]
-    pub fn hits(&self, b: &Bounds, t_max: f64) -> bool {
-        let (near, far) = self.interval(b);
-        near.max(0.0) <= far.min(t_max) * (1.0 + 4.0 * f64::EPSILON)
-    }
-}
-
-/// Places for primitives that a ray has tested.
-const N_TESTED: usize = 32;
 
 /// Keeps the nearest standing hit over the primitives that it tests.
 ///
@@ -197,8 +181,6 @@ pub(super) struct Nearest<'a> {
     time: f64,
     /// Moving object met last, and where it is.
     moved: Option<(u32, Transform)>,
-    /// Primitives tested before, each at its place modulo the length: trees may offer one again and again.
-    tested: [u32; N_TESTED],
     /// Object whose bounds were asked last, and the answer.
     bounds_asked: (u32, bool),
     // The primitive under test.
@@ -220,19 +202,11 @@ impl<'a> Nearest<'a> {
             time: REST,
             // Not a place that stands for none: a ray would write 200 bytes.
             moved: None,
-            tested: [u32::MAX; N_TESTED],
             bounds_asked: (u32::MAX, true),
             prim: u32::MAX,
             clip: InsideProgram::default(),
             per_local: 1.0,
         }
-    }
-
-    /// Whether a primitive was not offered before, as far as that is remembered.
-    #[inline]
-    fn is_new(&mut self, prim_ix: u32) -> bool {
-        let tested = &mut self.tested[prim_ix as usize % N_TESTED];
-        std::mem::replace(tested, prim_ix) != prim_ix
     }
 
     #[inline]

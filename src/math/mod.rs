@@ -27,3 +27,9 @@ pub const EPSILON: f64 = 1e-10;
 pub const MAX_DISTANCE: f64 = 1e7;
 /// The half size of POV-Ray's unbounded boxes. Source: spec/objects.md, section 0.
 pub const BOUND_HUGE: f64 = 2e10;
+
+/// `b^e`, by multiplications where `e` is a small whole number.
+#[inline]
+pub fn to_power(b: f64, e: f64) -> f64 {
+    if e.trunc() == e && e.abs() <= 64.0 { b.powi(e as i32) } else { b.powf(e) }
+}

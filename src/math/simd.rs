@@ -45,6 +45,7 @@ pub trait Simd: Copy {
     fn splat_f32(self, v: f32) -> Self::F32x8;
     fn load_f32(self, v: &[f32; 8]) -> Self::F32x8;
     fn array_f32(self, v: Self::F32x8) -> [f32; 8];
+    fn add_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     fn sub_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     fn mul_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     fn min_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
@@ -91,6 +92,10 @@ impl Simd for Portable {
     #[inline(always)]
     fn array_f32(self, v: [f32; 8]) -> [f32; 8] {
         v
+    }
+    #[inline(always)]
+    fn add_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        zip(a, b, |a, b| a + b)
     }
     #[inline(always)]
     fn sub_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
@@ -186,6 +191,7 @@ mod avx2 {
             splat_f32(v: f32) -> __m256 { _mm256_set1_ps(v) }
             load_f32(v: &[f32; 8]) -> __m256 { _mm256_loadu_ps(v.as_ptr()) }
             array_f32(v: __m256) -> [f32; 8] { std::mem::transmute::<__m256, [f32; 8]>(v) }
+            add_f32(a: __m256, b: __m256) -> __m256 { _mm256_add_ps(a, b) }
             sub_f32(a: __m256, b: __m256) -> __m256 { _mm256_sub_ps(a, b) }
             mul_f32(a: __m256, b: __m256) -> __m256 { _mm256_mul_ps(a, b) }
             min_f32(a: __m256, b: __m256) -> __m256 { _mm256_min_ps(a, b) }
@@ -217,7 +223,7 @@ mod tests {
         fn run<S: Simd>(self, s: S) -> Vec<u64> {
             let (a, b) = (s.load_f32(&self.0), s.load_f32(&self.1));
             let mut out = vec![s.le_f32(a, b).into()];
-            for v in [s.sub_f32(a, b), s.mul_f32(a, b), s.splat_f32(self.0[3])] {
+            for v in [s.add_f32(a, b), s.sub_f32(a, b), s.mul_f32(a, b), s.splat_f32(self.0[3])] {
                 out.extend(s.array_f32(v).map(|v| if v.is_nan() { 1 } else { u64::from(v.to_bits()) }));
             }
             // Adding 0 makes both zeros one.

@@ -72,7 +72,7 @@ impl Tracer<'_> {
             if layer.finish.diffuse_back == 0.0 {
                 // Media draw random numbers on the way, which would show elsewhere.
                 if !scene.options.skip && self.plan.quality.shadows && !self.plan.has_media {
-                    self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving);
+                    self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, None);
                 }
                 return Vec3::ZERO;
             }
@@ -85,7 +85,7 @@ impl Tracer<'_> {
             None => {
                 let c = match area {
                     Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, arriving),
-                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving),
+                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, None),
                 };
                 if let Some(k) = memo {
                     self.lit[k] = Some(c);

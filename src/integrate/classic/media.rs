@@ -57,6 +57,15 @@ impl Gathered {
     }
 }
 
+/// What a depth of extinction lets through. Most media are grey, and many only shine.
+#[inline]
+fn transmittance(depth: Rgb) -> Rgb {
+    if depth.x == depth.y && depth.y == depth.z {
+        return if depth.x == 0.0 { Vec3::ONE } else { Vec3::splat((-depth.x).exp()) };
+    }
+    (-depth).exp()
+}
+
 /// One call: a piece of ray and the media in it.
 struct MediaRay<'m> {
     ray: &'m Ray,
@@ -78,7 +87,7 @@ impl Tracer<'_> {
             return (rgb, transmit);
         }
         let g = self.media_over(&r.ray, hit.t, &list, &r.interiors, Some(hit), false);
-        let through = (-g.depth).exp();
+        let through = transmittance(g.depth);
         (rgb * through + g.light, transmit * grey(through))
     }
 
@@ -87,7 +96,7 @@ impl Tracer<'_> {
         let mut list = MediaList::default();
         self.scene.atmosphere.iter().for_each(|m| list.push(*m));
         let g = self.media_over(&r.ray, depth, &list, &r.interiors, hit, false);
-        let through = (-g.depth).exp();
+        let through = transmittance(g.depth);
         seen.rgb = seen.rgb * through + g.light;
         seen.transmit *= grey(through);
     }
@@ -115,7 +124,7 @@ impl Tracer<'_> {
             self.scene.atmosphere.iter().for_each(|m| list.push(*m));
             depths += self.media_over(ray, depth, &list, around, None, true).depth;
         }
-        color * (-depths).exp()
+        color * transmittance(depths)
     }
 
     fn media_of(&self, around: &InteriorList) -> MediaList {
@@ -185,7 +194,7 @@ impl Tracer<'_> {
                 3 => self.adaptive_interval(&call, interval, rule.samples.0, rule.aa_level),
                 _ => self.random_sample(&call, interval),
             };
-            total.light += part.light * (-total.depth).exp();
+            total.light += part.light * transmittance(total.depth);
             total.depth += part.depth;
         }
         self.media_scratch[usize::from(is_shadow)] = s;
@@ -275,7 +284,7 @@ impl Tracer<'_> {
             let here = self.media_sample(call, i, jittered);
             if j > 0 {
                 let r = self.refined(call, i, (q_last, last), (q, here), aa_level.min(20) as i32 - 1);
-                sum.light += r.light * (-sum.depth / m as f32).exp();
+                sum.light += r.light * transmittance(sum.depth / m as f32);
                 sum.depth += r.depth;
             }
             (q_last, last) = (q, here);
@@ -334,7 +343,7 @@ impl Tracer<'_> {
             }
         }
         let h = i.length as f32;
-        let weaken = if call.method == 3 { Vec3::ONE } else { (-ext * h * q as f32).exp() };
+        let weaken = if call.method == 3 { Vec3::ONE } else { transmittance(ext * h * q as f32) };
         Gathered { light: light * h * weaken, depth: ext * h }
     }
 
@@ -354,7 +363,7 @@ impl Tracer<'_> {
         // Shadow rays may cross media too, but they have scratch memory of their own.
         let color = match &light.area {
             Some(a) => self.through_area(light_ix, a, around, point, &way, color),
-            None => self.unshadowed(light_ix, around, point, &way, color),
+            None => self.unshadowed(light_ix, around, point, &way, color, None),
         };
         (color, way.dir)
     }

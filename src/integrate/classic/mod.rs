@@ -17,6 +17,7 @@ mod ray;
 mod refract;
 mod shade;
 mod shadow;
+mod shafts;
 mod sky;
 mod texturing;
 mod trace;

@@ -172,7 +172,7 @@ impl Tracer<'_> {
             None => {
                 let c = match &light.area {
                     Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, color),
-                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, color),
+                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, color, None),
                 };
                 if let Some(k) = memo {
                     self.lit[k] = Some(c);

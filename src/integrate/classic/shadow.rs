@@ -3,8 +3,10 @@
 use super::lights::is_dark;
 use super::ray::InteriorList;
 use super::refract::fade_factor;
+use super::shafts::shadow_hit;
 use super::texturing as cover;
 use super::trace::Tracer;
+use crate::accel::Candidates;
 use crate::compile::NONE;
 use crate::compile::texture::TextureNode;
 use crate::kernel::atmosphere::fog_effect;
@@ -17,9 +19,20 @@ use crate::scene::light::AreaLight;
 /// Most clear surfaces that one shadow ray passes.
 const MAX_CLEAR_SURFACES: usize = 10_000;
 
+/// Open ways to an area light after which the rest of its grid gets a list of what stands before it.
+const WALKS_BEFORE_LIST: u32 = 4;
+
 impl Tracer<'_> {
-    /// `color` less what stands between `point` and the light along `way`.
-    pub(super) fn unshadowed(&mut self, light_ix: u32, around: &InteriorList, point: DVec3, way: &LightRay, color: Rgb) -> Rgb {
+    /// `color` less what stands between `point` and the light along `way`; of primitives with bounds only those `among` can, if given.
+    pub(super) fn unshadowed(
+        &mut self,
+        light_ix: u32,
+        around: &InteriorList,
+        point: DVec3,
+        way: &LightRay,
+        color: Rgb,
+        among: Option<&Candidates>,
+    ) -> Rgb {
         let scene = self.scene;
         let compiled = &scene.lights[light_ix as usize];
         let mut ray = Ray::new(point, way.dir);
@@ -41,7 +54,7 @@ impl Tracer<'_> {
                 break;
             }
             let last = if scene.options.skip { self.blockers[light_ix as usize][slot] } else { u32::MAX };
-            match intersect_shadow(scene, &ray, SHADOW_TOLERANCE, left - SHADOW_TOLERANCE, last) {
+            match shadow_hit(scene, &ray, (SHADOW_TOLERANCE, left - SHADOW_TOLERANCE), last, among) {
                 ShadowHit::None => break,
                 ShadowHit::Opaque { prim_ix } => {
                     self.blockers[light_ix as usize][slot] = prim_ix;
@@ -175,9 +188,11 @@ impl Tracer<'_> {
         let mut points = std::mem::take(&mut self.area_points);
         points.clear();
         points.resize(area.n1 as usize * area.n2 as usize, None);
-        let mut grid = AreaGrid { light_ix, area, axes: area_axes(area, way.dir), around, point, color, points };
+        let axes = area_axes(area, way.dir);
+        let mut grid = AreaGrid { light_ix, area, axes, around, point, color, points, n_open: 0, among: None };
         let mean = self.area_part(&mut grid, [0, 0, area.n1.max(1) - 1, area.n2.max(1) - 1], 0);
         self.area_points = grid.points;
+        self.done_with(grid.among);
         mean
     }
 
@@ -214,7 +229,14 @@ impl Tracer<'_> {
         let (ju, jv) = (self.area_place(u, grid.area.jitter), self.area_place(v, grid.area.jitter));
         let offset = area_offset(grid.area, grid.axes, ju, jv);
         let way = light_ray(&self.scene.lights[grid.light_ix as usize].light, grid.point, offset);
-        let c = self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color);
+        let c = self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color, grid.among.as_ref());
+        if !is_dark(c) {
+            grid.n_open += 1;
+            // Few rays walk far: the four corners, when no more are wanted, and what the last blocker does not stop.
+            if grid.n_open == WALKS_BEFORE_LIST {
+                grid.among = self.before_area(&self.scene.lights[grid.light_ix as usize].light, grid.area, grid.axes, grid.point);
+            }
+        }
         grid.points[place] = Some(c);
         c
     }
@@ -230,4 +252,8 @@ struct AreaGrid<'g> {
     color: Rgb,
     /// By grid point: what arrived from it.
     points: Vec<Option<Rgb>>,
+    /// Points that light came from.
+    n_open: u32,
+    /// What may stand in the way, once it was worth asking.
+    among: Option<Candidates>,
 }

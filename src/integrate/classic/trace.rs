@@ -4,6 +4,7 @@ use super::media::MediaScratch;
 use super::plan::ScenePlan;
 use super::radiosity::RadiosityState;
 use super::ray::{Seen, TraceRay};
+use crate::accel::Candidates;
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
 use crate::kernel::atmosphere::BACKGROUND_DEPTH;
@@ -35,6 +36,8 @@ pub struct Tracer<'a> {
     pub(super) lit: Vec<Option<Rgb>>,
     /// Filtered colours of an area light's points.
     pub(super) area_points: Vec<Option<Rgb>>,
+    /// A list of primitives that nobody uses.
+    pub(super) spare_list: Candidates,
     /// For view rays, and for the shadow rays inside them.
     pub(super) media_scratch: [MediaScratch; 2],
     /// Present while radiosity is on.
@@ -59,6 +62,7 @@ impl<'a> Tracer<'a> {
             blockers: vec![[u32::MAX; 2]; scene.lights.len()],
             lit: Vec::new(),
             area_points: Vec::new(),
+            spare_list: Candidates::default(),
             media_scratch: Default::default(),
             radiosity: None,
             cancel: None,
