@@ -33,7 +33,7 @@ pub struct Shaft {
 }
 
 impl Shaft {
-    /// The hull of `points`, as far as it is seen across the axes and across `normals` (any length; the first [`MAX_SLABS`] count), for
+    /// The hull of `points`, as far as it is seen across the axes and across `normals` (any length; of more than twelve the first), for
     /// trees within `bounds`.
     pub fn around(points: &[DVec3], normals: &[DVec3], bounds: &BoxF) -> Self {
         let slack = SLACK * bounds.max_abs() as f32;
