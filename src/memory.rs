@@ -63,8 +63,8 @@ pub fn peak() -> Option<u64> {
     kib_in("/proc/self/status", "VmHWM")
 }
 
-/// Resident bytes of this process.
-fn in_use() -> Option<u64> {
+/// Resident bytes of this process; known on Linux.
+pub fn in_use() -> Option<u64> {
     kib_in("/proc/self/status", "VmRSS")
 }
 

@@ -18,6 +18,8 @@ from .exporting import generator
 from .preferences import preferences
 
 _folder = None
+# Nobody looks in the background; the tests do.
+SHOW_IN_BACKGROUND = False
 
 
 def session_folder():
@@ -37,14 +39,15 @@ def forget_folder():
         _folder = None
 
 
-def command_line(path, scene, source, target):
-    """The renderer's command for a scene's settings."""
+def command_line(path, scene, source, target, live):
+    """The renderer's command for a scene's settings; `live` gets the picture so far."""
     render, settings, own = scene.render, settings_of(scene), scene.rayloom
     width, height = picture_size(render)
     samples = settings.samples
     out = [path, "render", source, "-o", target, "--size", f"{width}x{height}", "--spp", str(max(1, samples))]
-    out += ["--progress", "json", "--stop-with-stdin"]
-    out += ["--integrator", own.integrator.lower(), "--backend", own.device.lower(), "--accel", own.accelerator.lower()]
+    out += ["--progress", "json", "--stop-with-stdin", "--live", live]
+    out += ["--integrator", own.integrator.lower(), "--accel", own.accelerator.lower()]
+    out += ["--device", own.gpu] if own.device == "GPU" and own.gpu else ["--backend", own.device.lower()]
     border = border_of(render)
     if border:
         out += ["--crop", ",".join(map(str, border))]
@@ -112,7 +115,7 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
             raise process.RendererError("The scene has no camera")
         path = program.checked(preferences().program_path)
         folder = session_folder()
-        source, target = os.path.join(folder, "scene.gltf"), os.path.join(folder, "picture.exr")
+        source, target, live = (os.path.join(folder, name) for name in ("scene.gltf", "picture.exr", "live"))
         self._say("Exporting", 0.0)
         start = time.perf_counter()
         exporter = Exporter(depsgraph, generator(), keep=os.path.join(folder, "buffers"))
@@ -122,17 +125,24 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
         exported = time.perf_counter() - start
         log.add("note", "", f"exported in {exported:.2f} s, {exporter.gltf.written_bytes:,} bytes written, {exporter.gltf.kept_bytes:,} kept")
         forget_old_buffers(os.path.join(folder, "buffers"), exporter.gltf.kept_files)
-        if os.path.exists(target):
-            os.unlink(target)
+        for old in filter(os.path.exists, (target, live)):
+            os.unlink(old)
         told = {e for pair in exporter.log.entries for e in [f"{pair[0]}: {pair[1]}"]}
-        self.child = process.Renderer(command_line(path, scene, source, target), folder)
+        self.child = process.Renderer(command_line(path, scene, source, target, live), folder)
+        so_far = None if bpy.app.background and not SHOW_IN_BACKGROUND else LiveResult(self, live, scene, depsgraph)
         try:
-            finished = process.drive(self.child, lambda event: self._event(event, told), self.test_break)
+            finished = process.drive(self.child, lambda event: self._event(event, told, so_far), self.test_break)
+        except BaseException:
+            if so_far:
+                so_far.end()
+            raise
         finally:
             self.child = None
         if not finished:
+            if so_far:
+                so_far.end()
             return
-        self._show(exr.read(target), scene, depsgraph)
+        self._show(exr.read(target), scene, depsgraph, so_far)
 
     def _size(self, scene):
         border = border_of(scene.render)
@@ -149,12 +159,16 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
         self.update_stats("Rayloom", stage)
         self.update_progress(share)
 
-    def _event(self, event, told):
+    def _event(self, event, told, so_far):
         kind = event.get("event")
         if kind == "progress" and event.get("total"):
             share = event["done"] / event["total"]
-            left = event.get("seconds_left", 0.0)
-            self._say(f"{100.0 * share:.0f} %, {_clock(left)} left", share)
+            left = event.get("seconds_left") or 0.0
+            used, peak = ((event.get(key) or 0) / 2**20 for key in ("memory", "memory_peak"))
+            self._say(f"{100.0 * share:.0f} %, {_clock(left)} left, {used:.0f} MiB", share)
+            self.update_memory_stats(memory_used=used, memory_peak=peak)
+        elif kind == "picture" and so_far:
+            so_far.show()
         elif kind == "rendering":
             self._say(f"Rendering on {event.get('device', '')}", 0.0)
             log.add("note", "", f"rendered on {event.get('device', '')}")
@@ -163,10 +177,8 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
         elif kind == "diagnostic" and event.get("message") not in told:
             level = {"error": "error", "warning": "warning"}.get(event.get("severity"), "note")
             log.add(level, "", event.get("message", ""))
-        elif kind == "memory":
-            self.update_memory_stats(memory_used=event.get("used", 0) / 2**20, memory_peak=event.get("peak", 0) / 2**20)
 
-    def _show(self, picture, scene, depsgraph):
+    def _show(self, picture, scene, depsgraph, so_far=None):
         """Puts the planes of the renderer's file into Blender's passes, bottom row first."""
         width, height = self._size(scene)
         border = border_of(scene.render)
@@ -174,7 +186,7 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
             raise process.RendererError(f"The renderer made {picture.width} x {picture.height} pixels, not the size that was asked for")
         rows = slice(border[1], border[3]) if border else slice(None)
         columns = slice(border[0], border[2]) if border else slice(None)
-        result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
+        result = (so_far and so_far.result) or self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
         self.shown = True
         try:
             for render_pass in result.layers[0].passes:
@@ -189,6 +201,42 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
         # Only the engine's own result takes them to the file's header (measured, 4.5).
         for key, value in passes.cryptomatte_fields(picture.attributes, depsgraph.view_layer.name).items():
             self.get_result().stamp_data_add_field(key, value)
+
+
+class LiveResult:
+    """The picture so far in Blender's Combined pass, taken from the renderer's file (`--live`)."""
+
+    def __init__(self, engine, path, scene, depsgraph):
+        self.engine, self.path, self.size = engine, path, picture_size(scene.render)
+        self.border = border_of(scene.render) or [0, 0, *self.size]
+        self.layer = depsgraph.view_layer.name
+        self.result = None
+        self.n_shown = 0
+
+    def show(self):
+        """Shows what the file holds now; a file that is not there or of a wrong length shows nothing."""
+        width, height = self.size
+        try:
+            flat = np.fromfile(self.path, "<f4")
+        except OSError:
+            return
+        if flat.size != 4 * width * height:
+            return
+        left, top, right, bottom = self.border
+        pixels = flat.reshape(height, width, 4)[top:bottom, left:right][::-1]
+        if self.result is None:
+            self.result = self.engine.begin_result(0, 0, right - left, bottom - top, layer=self.layer)
+        combined = next((p for p in self.result.layers[0].passes if p.name == "Combined"), None)
+        if combined is not None:
+            combined.rect.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
+            self.engine.update_result(self.result)
+            self.n_shown += 1
+
+    def end(self):
+        """Gives the result back without a picture."""
+        if self.result is not None:
+            self.engine.end_result(self.result, cancel=True)
+            self.result = None
 
 
 def forget_old_buffers(folder, used):

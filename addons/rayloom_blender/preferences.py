@@ -18,7 +18,7 @@ class RAYLOOM_OT_list_devices(bpy.types.Operator):
         """Fills the list of the preferences."""
         prefs = preferences()
         try:
-            found = program.devices(program.checked(prefs.program_path))
+            found = program.devices(program.checked(prefs.program_path), again=True)
         except program.ProgramError as e:
             self.report({"ERROR"}, str(e))
             return {"CANCELLED"}

@@ -2,7 +2,19 @@
 """Settings of a scene. They have Cycles' names and defaults, so that one can stand for the other."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from .core import program
+from .preferences import preferences
+
+
+def gpu_names():
+    """The GPUs that the renderer finds, without what is in brackets behind their names; none while there is no renderer."""
+    try:
+        found = program.devices(program.checked(preferences().program_path))
+    except program.ProgramError:
+        return []
+    return [name.partition(" (")[0] for kind, name in found if kind == "gpu"]
 
 
 class RayloomSettings(bpy.types.PropertyGroup):
@@ -18,9 +30,15 @@ class RayloomSettings(bpy.types.PropertyGroup):
         items=[
             ("AUTO", "Automatic", "The GPU when there is one that can render the scene, else the CPU"),
             ("CPU", "CPU", "All cores, or as many threads as the scene says"),
-            ("GPU", "GPU", "The first GPU"),
+            ("GPU", "GPU", "The GPU below, else the first one"),
         ],
         default="AUTO",
+    )
+    gpu: StringProperty(
+        name="GPU",
+        description="A GPU by a part of its name; empty: the first one",
+        search=lambda self, context, text: [name for name in gpu_names() if text.lower() in name.lower()],
+        search_options={"SUGGESTION"},
     )
     integrator: EnumProperty(
         name="Integrator",

@@ -56,6 +56,8 @@ class RAYLOOM_RENDER_PT_device(_Panel, bpy.types.Panel):
         layout.use_property_decorate = False
         own = context.scene.rayloom
         layout.prop(own, "device")
+        if own.device == "GPU":
+            layout.prop(own, "gpu")
         layout.prop(own, "integrator")
         layout.prop(own, "accelerator")
         if hasattr(context.scene, "cycles"):

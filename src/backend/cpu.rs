@@ -141,6 +141,7 @@ impl Job<'_> {
                     add_samples(&mut film, at, pixels[(r as usize) * w + (x - x0) as usize], n_samples);
                 }
             }
+            self.progress.picture(&film);
         }
         let [cx0, cy0, cx1, cy1] = self.settings.crop.map(u64::from);
         let finished = u64::from(rows) * w as u64;

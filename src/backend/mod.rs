@@ -41,6 +41,8 @@ pub enum BackendError {
 pub trait Progress: Sync {
     /// `done` of `total` pixels (times passes) are finished.
     fn pixels(&self, done: u64, total: u64);
+    /// The picture so far, each time that something came to it. Who hears it holds up a thread: most calls must return at once.
+    fn picture(&self, _film: &Film) {}
 }
 
 /// Nobody listens.

@@ -54,6 +54,7 @@ impl Run<'_> {
             }
             *done += results.len() as u64;
             let done = *done;
+            self.progress.picture(film);
             drop(guard);
             self.progress.pixels(done, total);
         });
@@ -95,6 +96,7 @@ impl Run<'_> {
                     map.set(at(x, y), [r, g, b], guard.1[at(x, y)].0);
                 }
             }
+            self.progress.picture(guard.0);
             drop(guard);
             map.settle(limit.threshold);
             let left = f64::from(settings.samples.end - range.end) / settings.samples.len() as f64 * map.n_active() as f64;

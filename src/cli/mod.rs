@@ -6,6 +6,7 @@ mod diff;
 mod diff_outcome;
 mod info;
 mod interrupt;
+mod live;
 mod merge;
 mod povray;
 mod progress;

@@ -13,7 +13,7 @@ pub enum ProgressKind {
     Auto,
     /// A bar on standard error
     Bar,
-    /// One JSON object a line on standard output: {"event":"progress","done":N,"total":N,"seconds":S,"seconds_left":S}
+    /// One JSON object a line on standard output: {"event":"progress","done":N,"total":N,"seconds":S,"seconds_left":S,"memory":BYTES,...}
     Json,
     /// Nothing
     None,
@@ -64,6 +64,7 @@ impl ProgressView {
             self.event(&serde_json::json!({
                 "event": "progress", "done": done, "total": total,
                 "seconds": (seconds * 1e3).round() / 1e3, "seconds_left": (left * 1e3).round() / 1e3,
+                "memory": rayloom::memory::in_use(), "memory_peak": rayloom::memory::peak(),
             }));
         }
     }

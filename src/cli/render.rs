@@ -2,11 +2,12 @@
 
 use super::console::{print_error, style};
 use super::interrupt::Interrupt;
+use super::live::LivePicture;
 use super::progress::{ProgressKind, ProgressView};
 use clap::{Args, ValueEnum};
 use rayloom::accel::AccelKind;
 use rayloom::diag::{Diagnostic, SourceMap, Style, render};
-use rayloom::film::{FileFormat, FileGamma};
+use rayloom::film::{FileFormat, FileGamma, Film};
 use rayloom::integrate::{Antialias, IntegratorKind, NoiseLimit};
 use rayloom::job::{Job, JobError, Listener, Outcome, SceneFormat, Stage, Target, include_folders, job_for_frame};
 use rayloom::lang::Stream;
@@ -32,6 +33,9 @@ pub struct RenderArgs {
     /// Machine: the GPU when there is one that can render the scene, the CPU, the GPU [default: auto, or what the .ini says]
     #[arg(long, value_parser = ["auto", "cpu", "gpu"])]
     backend: Option<String>,
+    /// A GPU by a part of its name as `rayloom info` lists it; implies `--backend gpu`
+    #[arg(long, value_name = "NAME", conflicts_with = "backend")]
+    device: Option<String>,
     /// Structure over the geometry (docs/gpu.md) [default: auto, or what the .ini says]
     #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(AccelKind::names()))]
     accel: Option<String>,
@@ -98,6 +102,10 @@ pub struct RenderArgs {
     /// Stop, as by Ctrl-C, when standard input closes: a program that starts this one is then not outlived by it
     #[arg(long)]
     stop_with_stdin: bool,
+    /// While rendering on the CPU, write the picture so far to FILE now and then: a pixel is red, green, blue, alpha in 32-bit floats, top row first;
+    /// `--progress json` tells each time
+    #[arg(long, value_name = "FILE")]
+    live: Option<PathBuf>,
     /// Write times and counts as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
@@ -199,7 +207,8 @@ pub fn run(args: &RenderArgs) -> ExitCode {
         if n > 1 {
             view.line(&format!("frame {} of {n}\n", k + 1));
         }
-        let listener = RenderListener { view, style: style(), interrupt: interrupt.clone() };
+        let live = args.live.as_deref().map(LivePicture::new);
+        let listener = RenderListener { view, style: style(), interrupt: interrupt.clone(), live };
         let result = rayloom::job::run(job, &listener, &interrupt.cancel);
         listener.view.finish();
         interrupt.rendering.store(false, Ordering::SeqCst);
@@ -286,7 +295,7 @@ fn jobs(args: &RenderArgs) -> Result<Vec<Job>, JobError> {
     o.allow_io.extend(args.allow_io.iter().cloned());
     o.quality = args.quality.map_or(o.quality, |q| q.min(9));
     o.threads = args.threads.map_or(o.threads, usize::from);
-    o.backend = args.backend.clone().unwrap_or(o.backend);
+    o.backend = args.backend.clone().or(args.device.is_some().then(|| "gpu".into())).unwrap_or(o.backend);
     o.accel = args.accel.clone().unwrap_or(o.accel);
     o.continue_trace |= args.resume;
     let Some(input) = o.input.clone().map(PathBuf::from) else {
@@ -344,6 +353,7 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
         r.samples = range;
         r.antialias = None::<Antialias>;
     }
+    job.gpu = args.device.clone().unwrap_or_default();
     job.compile.skip = !args.no_skip;
     job.passes = args.passes;
     let limit = |threshold| (threshold > 0.0).then_some(NoiseLimit { threshold, min_samples: args.min_spp.unwrap_or(0) });
@@ -355,6 +365,7 @@ struct RenderListener {
     view: ProgressView,
     style: Style,
     interrupt: Interrupt,
+    live: Option<LivePicture>,
 }
 
 impl Listener for RenderListener {
@@ -385,5 +396,11 @@ impl Listener for RenderListener {
 
     fn pixels(&self, done: u64, total: u64) {
         self.view.pixels(done, total);
+    }
+
+    fn picture(&self, film: &Film) {
+        if self.live.as_ref().is_some_and(|l| l.show(film)) {
+            self.view.event(&serde_json::json!({"event": "picture"}));
+        }
     }
 }

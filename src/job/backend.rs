@@ -52,7 +52,7 @@ pub(super) fn render(
         sink.note_once("fallback", None, format!("rendered on the CPU: the GPU back end does not do {what} yet"));
     }
     if job.backend != BackendChoice::Cpu && cpu_only.is_none() {
-        let result = gpu(job.backend).and_then(|machine| on(machine.as_ref(), film));
+        let result = gpu(job.backend, &job.gpu).and_then(|machine| on(machine.as_ref(), film));
         match (result, job.backend) {
             (Ok(()), _) => return Ok(()),
             (Err(BackendError::Unsupported(what)), _) => {
@@ -71,13 +71,13 @@ pub(super) fn render(
 
 /// A GPU: for `auto` a real one only, since software drivers are slower than the CPU back end.
 #[cfg(feature = "gpu")]
-fn gpu(choice: BackendChoice) -> Result<Box<dyn Backend>, BackendError> {
+fn gpu(choice: BackendChoice, name: &str) -> Result<Box<dyn Backend>, BackendError> {
     use crate::backend::gpu::{GpuBackend, GpuOptions};
     let accept_software = choice == BackendChoice::Gpu;
     if !accept_software && !may_have_hardware() {
         return Err(BackendError::NoDevice("no graphics card was found".into()));
     }
-    Ok(Box::new(GpuBackend::new(&GpuOptions { accept_software, ..GpuOptions::default() })?))
+    Ok(Box::new(GpuBackend::new(&GpuOptions { accept_software, name_contains: name.to_owned() })?))
 }
 
 /// Whether a graphics card can be there at all: asking the drivers takes longer than many pictures (measured: 70 to 280 ms), and on
@@ -91,6 +91,6 @@ fn may_have_hardware() -> bool {
 }
 
 #[cfg(not(feature = "gpu"))]
-fn gpu(_choice: BackendChoice) -> Result<Box<dyn Backend>, BackendError> {
+fn gpu(_choice: BackendChoice, _name: &str) -> Result<Box<dyn Backend>, BackendError> {
     Err(BackendError::NoDevice("this program was built without the GPU back end".into()))
 }

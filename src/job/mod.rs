@@ -17,7 +17,7 @@ pub use write::Target;
 use crate::backend::{BackendError, Progress};
 use crate::compile::{CompileError, CompileOptions};
 use crate::diag::{Diagnostic, Sink, SourceMap};
-use crate::film::FilmError;
+use crate::film::{Film, FilmError};
 use crate::import::ImportError;
 use crate::integrate::{NoiseLimit, RenderSettings};
 use crate::lang::Stream;
@@ -40,6 +40,8 @@ pub struct Job {
     pub compile: CompileOptions,
     /// Which machine.
     pub backend: BackendChoice,
+    /// Part of the GPU's name, in any case; empty takes the first.
+    pub gpu: String,
     /// Go on from what an interrupted run of the same job left beside the target.
     pub resume: bool,
     /// Passes to render besides the colours; none said: those that the scene asks for. Path integrator and EXR only.
@@ -76,6 +78,8 @@ pub trait Listener: Sync {
     fn text(&self, stream: Stream, text: &str);
     /// `done` of `total` pixels are finished.
     fn pixels(&self, done: u64, total: u64);
+    /// The picture so far, often; most calls must return at once.
+    fn picture(&self, _film: &Film) {}
 }
 
 /// What came of a job.
@@ -227,5 +231,9 @@ struct Pixels<'l>(&'l dyn Listener);
 impl Progress for Pixels<'_> {
     fn pixels(&self, done: u64, total: u64) {
         self.0.pixels(done, total);
+    }
+
+    fn picture(&self, film: &Film) {
+        self.0.picture(film);
     }
 }

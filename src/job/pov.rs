@@ -85,6 +85,7 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
             noise: None,
         },
         compile: CompileOptions { quality: o.quality, skip: true, accel: accel_named(&o.accel), memory },
+        gpu: String::new(),
         backend: match o.backend.as_str() {
             "cpu" => BackendChoice::Cpu,
             "gpu" => BackendChoice::Gpu,

@@ -238,6 +238,103 @@ def case_passes():
     say("passes not rendered yet: " + (told if "is not rendered" in told else "none"))
 
 
+def case_all_passes_and_cryptomatte():
+    """Values of passes in Blender's own file, by their layers' names; the manifest of Cryptomatte in its header."""
+    scene = new_scene(samples=4)
+    bpy.context.view_layer.name = "Main Layer"
+    scene.rayloom.use_adaptive_sampling = False
+    near = wall("Near", -9, 0, -9, 9, y=1.0, material=emission("Shine", (1, 0.5, 0.25)))
+    near.pass_index = 7
+    matt = bpy.data.materials.new("Matt")
+    matt.use_nodes = True
+    wall("Far", 0, 9, -9, 9, y=3.0, material=matt)
+    lamp = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    lamp.rotation_euler = (np.pi / 2, 0, 0)
+    scene.collection.objects.link(lamp)
+    layer = bpy.context.view_layer
+    for name in ("z", "position", "normal", "uv", "object_index", "diffuse_direct", "diffuse_color", "emit", "cryptomatte_object"):
+        setattr(layer, f"use_pass_{name}", True)
+    layer.pass_cryptomatte_depth = 4
+    render("layers", layers=True)
+    planes, head = layers_of(os.path.join(FOLDER, "layers.exr"))
+    say(f"channels: {', '.join(sorted(planes))}")
+
+    def at(name, x):
+        return np.array([planes[f"Main Layer.{name}.{c}"][24, x] for c in {"IndexOB": "X", "Depth": "Z"}.get(name, "XYZ" if name in "NormalPosition" else "RGB")])
+
+    assert np.allclose(at("Depth", 8), 6.0, atol=0.02) and np.allclose(at("Depth", 56), 8.0, atol=0.02), (at("Depth", 8), at("Depth", 56))
+    assert at("IndexOB", 8) == 7 and at("IndexOB", 56) == 0
+    assert np.allclose(at("Normal", 8), (0, -1, 0), atol=1e-3) and np.allclose(at("Position", 56)[1], 3.0, atol=0.01)
+    assert np.allclose(at("Emit", 8), (1, 0.5, 0.25), atol=1e-3) and np.allclose(at("Emit", 56), 0.0)
+    assert np.allclose(at("DiffCol", 56), 0.8, atol=0.05) and np.all(at("DiffDir", 56) > 0.05) and np.allclose(at("DiffCol", 8), 0.0)
+    assert "Main Layer.CryptoObject01.a" in planes and "Main Layer.CryptoObject02.a" not in planes, "four ranks are two layers"
+    manifests = [v for k, v in head.items() if k.startswith("cryptomatte/") and k.endswith("/manifest")]
+    names = [v for k, v in head.items() if k.startswith("cryptomatte/") and k.endswith("/name")]
+    assert names == ["Main Layer.CryptoObject"] and len(manifests) == 1, head.keys()
+    import json
+
+    manifest = json.loads(manifests[0])
+    rank = planes["Main Layer.CryptoObject00.r"]
+    for name, x in (("Near", 8), ("Far", 56)):
+        assert np.float32(rank[24, x]).view(np.uint32) == int(manifest[name], 16), (name, manifest)
+
+
+def layers_of(path):
+    """Planes by their whole names, top row first, and the texts of the header of a multilayer file that Blender wrote: one part or several."""
+    import OpenEXR
+
+    planes, head = {}, {}
+    with OpenEXR.File(path, separate_channels=True) as file:
+        for part in file.parts:
+            head.update({k: v for k, v in part.header.items() if isinstance(v, str)})
+            for name, channel in part.channels.items():
+                planes[name if name.count(".") >= 2 else f"{part.name()}.{name}"] = np.asarray(channel.pixels, np.float32)
+    return planes, head
+
+
+def case_the_picture_so_far_is_shown():
+    """While it renders, Blender gets what there is; the memory and the time left are told; the end is whole."""
+    scene = new_scene((256, 256), samples=60)
+    scene.rayloom.use_adaptive_sampling = False
+    material = bpy.data.materials.new("M")
+    material.use_nodes = True
+    wall("W", -9, 9, -9, 9, material=material)
+    scene.world = bpy.data.worlds.new("World")
+    engine = module("engine")
+    engine.SHOW_IN_BACKGROUND = True
+    shown, show, said = [], engine.LiveResult.show, []
+
+    def noted(self):
+        show(self)
+        planes = np.fromfile(self.path, "<f4").reshape(256, 256, 4)
+        shown.append((self.n_shown, float((planes[..., 3] > 0).mean())))
+
+    engine.LiveResult.show = noted
+    say_stage = engine.RayloomRenderEngine._say
+    engine.RayloomRenderEngine._say = lambda self, stage, share: (said.append(stage), say_stage(self, stage, share))[1]
+    p = render()
+    engine.LiveResult.show, engine.RayloomRenderEngine._say = show, say_stage
+    say(f"shown {len(shown)} times, shares {[round(s, 2) for _, s in shown]}; {next((s for s in said if 'MiB' in s), 'no memory told')}")
+    assert len(shown) >= 2 and shown[-1][0] == len(shown) and 0.0 < shown[0][1] < 1.0, shown
+    assert any("left" in s and "MiB" in s for s in said), said[-5:]
+    assert p.shape == (256, 256, 4) and (p[..., 3] > 0.99).all() and p[..., :3].std() < 0.2
+
+
+def case_devices_by_name():
+    """The renderer is told the GPU's name; a GPU that is not there is an error in words."""
+    scene = new_scene()
+    command = module("engine").command_line
+    scene.rayloom.device, scene.rayloom.gpu = "GPU", "No Such Card"
+    line = command("rayloom", scene, "a", "b", "c")
+    assert line[line.index("--device") + 1] == "No Such Card" and "--backend" not in line
+    scene.rayloom.integrator = "CLASSIC"
+    wall("W", -9, 9, -9, 9, material=emission("E", (1, 1, 1)))
+    render_error("No Such Card")
+    scene.rayloom.device = "CPU"
+    line = command("rayloom", scene, "a", "b", "c")
+    assert line[line.index("--backend") + 1] == "cpu" and "--device" not in line
+
+
 def case_cancel_is_fast():
     """A break ends the renderer within half a second, and Blender goes on."""
     scene = new_scene((1024, 1024), samples=100_000)

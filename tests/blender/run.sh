@@ -9,7 +9,7 @@ if [[ "${1:-}" =~ ^[0-9]+\.[0-9]+$ ]]; then version=$1; shift; fi
 venv=${RAYLOOM_BPY_VENV:-target/blender/venv-$version}
 if [ ! -x "$venv/bin/python" ]; then
   python3.11 -m venv "$venv"
-  "$venv/bin/pip" install --quiet "bpy==$version.*" numpy jsonschema
+  "$venv/bin/pip" install --quiet "bpy==$version.*" numpy jsonschema OpenEXR
 fi
 binary=${RAYLOOM_BINARY:-}
 if [ -z "$binary" ]; then cargo build; binary=target/debug/rayloom; fi

@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "addons"))
 
-from rayloom_blender.core import bake, corners, evaluate, exr, glb, lower, pictures, process  # noqa: E402
+from rayloom_blender.core import bake, corners, evaluate, exr, glb, lower, passes, pictures, process  # noqa: E402
 
 
 def read_glb(path):
@@ -205,6 +205,37 @@ class Shaders(unittest.TestCase):
         ]
         closure, out, around, told = self.lowered(nodes)
         self.assertEqual((out[closure["roughness"]["node"]]["type"], around.pictures, told), ("math", [], []))
+
+
+class Passes(unittest.TestCase):
+    """Names of passes, and Cryptomatte's header."""
+
+    def test_planes_are_found_by_blenders_names(self):
+        names = ["ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B", "ViewLayer.Combined.A", "ViewLayer.Depth.Z"]
+        names += [f"ViewLayer.CryptoObject00.{c}" for c in "rgba"]
+        picture = exr.Picture(1, 1, {name: np.full((1, 1), k) for k, name in enumerate(names)}, {})
+        self.assertEqual([int(p[0, 0]) for p in passes.find(picture, "Combined", "RGBA")], [0, 1, 2, 3])
+        self.assertEqual([int(p[0, 0]) for p in passes.find(picture, "CryptoObject00", "rgba")], [5, 6, 7, 8])
+        self.assertEqual([int(p[0, 0]) for p in passes.find(picture, "Depth", "Z")], [4])
+        self.assertIsNone(passes.find(picture, "Mist", "Z"))
+        plain = exr.Picture(1, 1, {c: np.full((1, 1), k) for k, c in enumerate("RGB")}, {})
+        self.assertEqual([int(p[0, 0]) for p in passes.find(plain, "Combined", "RGBA")], [0, 1, 2, 1])
+
+    def test_cryptomatte_takes_the_view_layers_name(self):
+        header = {
+            "cryptomatte/abc1234/name": b"ViewLayer.CryptoObject",
+            "cryptomatte/abc1234/manifest": b'{"A":"1"}',
+            "cryptomatte/abc1234/hash": b"MurmurHash3_32",
+            "compression": b"",
+        }
+        fields = passes.cryptomatte_fields(header, "Main")
+        names = [k for k, v in fields.items() if v == "Main.CryptoObject"]
+        self.assertEqual((len(names), len(fields)), (1, 3))
+        self.assertEqual(fields[names[0].replace("/name", "/manifest")], '{"A":"1"}')
+
+    def test_two_ranks_are_a_layer(self):
+        names = [n for n, _, _ in passes.registered(["cryptoObject", "depth", "nothing"], 3)]
+        self.assertEqual(names, ["Combined", "CryptoObject00", "CryptoObject01", "Depth"])
 
 
 RENDERER = """

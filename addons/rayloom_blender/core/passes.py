@@ -30,7 +30,7 @@ PASSES = {
     "ambientOcclusion": ("AO", "RGB", "COLOR"),
     "sampleCount": ("Debug Sample Count", "X", "VALUE"),
 }
-# The file's name → Blender's, before the number of the two ranks that a layer holds.
+# The file's name → Blender's, before the number of the two ranks that a layer holds. Their channels are small letters in Cycles' files (measured, 4.5).
 CRYPTOMATTE = {"cryptoObject": "CryptoObject", "cryptoMaterial": "CryptoMaterial", "cryptoAsset": "CryptoAsset"}
 # Names that Blender's passes have besides in the renderer's file.
 _SAME = {"denoising normal": "normal", "denoising depth": "depth"}
@@ -43,7 +43,7 @@ def registered(wanted, cryptomatte_ranks=6):
         if name in PASSES:
             out.append(PASSES[name])
         elif name in CRYPTOMATTE:
-            out += [(f"{CRYPTOMATTE[name]}{k:02}", "RGBA", "COLOR") for k in range((cryptomatte_ranks + 1) // 2)]
+            out += [(f"{CRYPTOMATTE[name]}{k:02}", "rgba", "COLOR") for k in range((cryptomatte_ranks + 1) // 2)]
     return out
 
 
@@ -58,8 +58,8 @@ def find(picture, blender_name, channels):
         if layer.rpartition(".")[2].lower() != wanted:
             continue
         by_name = {name.upper(): plane for name, plane in planes.items()}
-        if all(c in by_name for c in channels):
-            return [by_name[c] for c in channels]
+        if all(c in by_name for c in channels.upper()):
+            return [by_name[c] for c in channels.upper()]
     if blender_name != "Combined":
         return None
     known = picture.channels

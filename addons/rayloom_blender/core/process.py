@@ -97,7 +97,8 @@ class Renderer:
         code = self._child.returncode
         if code == 0:
             return None
-        said = [line for line in self._lines if line.strip()]
+        # What drivers say of the desktop that is not there is no reason.
+        said = [line for line in self._lines if line.strip() and "XDG_RUNTIME_DIR" not in line]
         errors = [line for line in said if line.lower().startswith("error")] or said[-3:]
         detail = f": {' '.join(errors)}" if errors else "."
         if code is not None and code < 0:

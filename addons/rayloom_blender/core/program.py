@@ -12,6 +12,8 @@ OLDEST = (0, 1, 0)
 
 _NAME = "rayloom.exe" if sys.platform == "win32" else "rayloom"
 _checked = {}
+# What `rayloom info` said, by program: drivers are slow to answer.
+_devices = {}
 
 
 class ProgramError(Exception):
@@ -70,8 +72,9 @@ def checked(chosen=""):
     return path
 
 
-def devices(path):
-    """The machines that `rayloom info` lists: (identifier of `--backend`, name)."""
-    said = json.loads(_run(path, "info", "--json"))
-    gpus = [("gpu", name) for name in said.get("gpus", [])[:1]]
-    return [("cpu", said.get("cpu", "CPU")), *gpus]
+def devices(path, again=False):
+    """The machines that `rayloom info` lists: (identifier of `--backend`, name). Asked once, or `again`."""
+    if again or path not in _devices:
+        said = json.loads(_run(path, "info", "--json"))
+        _devices[path] = [("cpu", said.get("cpu", "CPU")), *(("gpu", name) for name in said.get("gpus", []))]
+    return _devices[path]

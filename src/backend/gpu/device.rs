@@ -78,8 +78,10 @@ impl Gpu {
             let seen: Vec<String> = all.iter().map(|a| device_name(&a.get_info())).collect();
             return Err(BackendError::NoDevice(if seen.is_empty() {
                 "no graphics driver was found".into()
-            } else {
+            } else if wanted.is_empty() {
                 format!("none of the devices will do: {}", seen.join(", "))
+            } else {
+                format!("none of the devices is called '{}': {}", options.name_contains, seen.join(", "))
             }));
         };
         Self::open(adapter)
