@@ -2,8 +2,9 @@
 
 pub mod accel;
 mod chart;
+pub mod error_time;
 mod rays;
 pub mod stability;
 
-pub use chart::bar_chart;
+pub use chart::{Line, bar_chart, log_chart};
 pub use rays::{RAY_KINDS, RaySets};

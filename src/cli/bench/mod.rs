@@ -1,6 +1,7 @@
 //! `rayloom bench`: measurements on this machine.
 
 mod accel;
+mod error_time;
 mod path;
 mod stability;
 
@@ -22,6 +23,8 @@ enum What {
     Accel(accel::AccelArgs),
     /// Path tracing on the GPU: samples a second of whole pictures, without loading, building and compiling (docs/path.md)
     Path(path::PathArgs),
+    /// Error against time over sample counts, in turn with another renderer (docs/benchmarks.md)
+    ErrorTime(error_time::ErrorTimeArgs),
     /// Where renderers break: 24 cases, each a figure against its bar, on the CPU and every GPU (docs/stability.md)
     Stability(stability::StabilityArgs),
 }
@@ -31,6 +34,7 @@ pub fn run(args: &BenchArgs) -> ExitCode {
     let result = match &args.what {
         What::Accel(args) => accel::run(args),
         What::Path(args) => path::run(args),
+        What::ErrorTime(args) => error_time::run(args),
         What::Stability(args) => stability::run(args),
     };
     match result {

@@ -1,0 +1,242 @@
+//! Error against time: the same picture with more and more samples, several seeds each, by every renderer in turn.
+//! Errors are measured against a reference picture in linear light; times leave loading and writing out.
+
+use crate::backend::Backend;
+use crate::compare::{CompareOptions, Flip, Picture, Space, compare};
+use crate::compile::CompiledScene;
+use crate::film::Film;
+use crate::integrate::{IntegratorKind, RenderSettings};
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// A picture and what it took.
+pub struct Timed {
+    /// In linear light.
+    pub picture: Picture,
+    /// Wall clock seconds.
+    pub wall: f64,
+    /// Seconds of all processor cores together; NaN where they cannot be told.
+    pub cpu: f64,
+}
+
+/// Something that renders the picture.
+pub trait Renderer {
+    /// For tables.
+    fn name(&self) -> String;
+    /// The picture with `samples` a pixel.
+    ///
+    /// # Errors
+    /// What the renderer said.
+    fn render(&mut self, samples: u32, seed: u32) -> Result<Timed, String>;
+}
+
+/// The path integrator on a device.
+pub struct Ours<'a> {
+    /// Where.
+    pub backend: &'a dyn Backend,
+    /// What.
+    pub scene: &'a CompiledScene,
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// Threads.
+    pub threads: usize,
+}
+
+impl Renderer for Ours<'_> {
+    fn name(&self) -> String {
+        format!("rayloom, {}", self.backend.name())
+    }
+
+    fn render(&mut self, samples: u32, seed: u32) -> Result<Timed, String> {
+        let (width, height) = self.size;
+        let settings = RenderSettings {
+            samples: 0..samples,
+            integrator: IntegratorKind::Path,
+            threads: self.threads,
+            seed,
+            ..RenderSettings::plain(width, height)
+        };
+        let mut film = Film::new(width, height);
+        let (start, before) = (Instant::now(), cpu_seconds());
+        self.backend.render(self.scene, &settings, &mut film, &(), &AtomicBool::new(false)).map_err(|e| e.to_string())?;
+        let (wall, cpu) = (start.elapsed().as_secs_f64(), cpu_seconds() - before);
+        let depth = "32-bit float".into();
+        Ok(Timed { picture: Picture { width, height, pixels: film.pixels, has_alpha: false, linear: true, depth }, wall, cpu })
+    }
+}
+
+/// Seconds that all threads of this program have run (Linux), else NaN.
+fn cpu_seconds() -> f64 {
+    // Fields 14 and 15, in hundredths of a second; the name in field 2 may hold spaces.
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let after = text.rsplit(')').next().unwrap_or_default();
+    let ticks = |k: usize| after.split_whitespace().nth(k).and_then(|n| n.parse::<f64>().ok()).unwrap_or(f64::NAN);
+    (ticks(11) + ticks(12)) / 100.0
+}
+
+/// Another program, through a script of ours for Python that takes SCENE WIDTH HEIGHT SAMPLES SEED THREADS OUT.exr and prints "seconds WALL CPU".
+pub struct Peer {
+    /// For tables.
+    pub name: String,
+    /// The interpreter.
+    pub python: PathBuf,
+    /// The script.
+    pub script: PathBuf,
+    /// What it renders.
+    pub scene: PathBuf,
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// Threads.
+    pub threads: usize,
+    /// Where the picture goes.
+    pub out: PathBuf,
+}
+
+impl Renderer for Peer {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn render(&mut self, samples: u32, seed: u32) -> Result<Timed, String> {
+        let numbers = [self.size.0, self.size.1, samples, seed, self.threads as u32].map(|n| n.to_string());
+        let mut command = Command::new(&self.python);
+        command.arg(&self.script).arg(&self.scene).args(numbers).arg(&self.out);
+        let ended = command.output().map_err(|e| format!("cannot run '{}': {e}", self.python.display()))?;
+        let told = String::from_utf8_lossy(&ended.stdout);
+        let seconds = told.lines().rev().find_map(|l| l.strip_prefix("seconds ")).and_then(|l| {
+            let (wall, cpu) = l.split_once(' ')?;
+            Some((wall.parse().ok()?, cpu.parse().ok()?))
+        });
+        let Some((wall, cpu)) = seconds else {
+            let error = String::from_utf8_lossy(&ended.stderr);
+            return Err(format!("{} gave no picture: {}", self.name, error.lines().last().unwrap_or("it said nothing")));
+        };
+        let picture = Picture::read(&self.out, u64::MAX).map_err(|e| e.to_string())?;
+        Ok(Timed { picture: picture.into_linear(), wall, cpu })
+    }
+}
+
+/// One picture, judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Which renderer.
+    pub renderer: String,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Seed.
+    pub seed: u32,
+    /// Wall clock seconds.
+    pub wall: f64,
+    /// Seconds of all cores.
+    pub cpu: f64,
+    /// Squared differences over the squared reference plus 0.01, values clamped to 1.
+    pub rel_mse: f64,
+    /// Mean FLIP of the pictures as shown.
+    pub flip: f64,
+    /// How far the mean is from the reference's, as a share of it, in the channel where that is most; values clamped to 1.
+    pub mean_error: f64,
+}
+
+/// Renders and judges: seed after seed, all sample counts, the renderers in turn, so that a busy machine slows all alike.
+///
+/// # Errors
+/// The first renderer that fails, or a picture of another size.
+pub fn run(
+    renderers: &mut [&mut dyn Renderer],
+    reference: &Picture,
+    counts: &[u32],
+    seeds: u32,
+    told: &mut dyn FnMut(&Point),
+) -> Result<Vec<Point>, String> {
+    let mut points = Vec::new();
+    let reference = clamped(reference.clone());
+    for seed in 0..seeds {
+        for samples in counts {
+            for r in renderers.iter_mut() {
+                let timed = r.render(*samples, seed)?;
+                let options = CompareOptions { space: Space::Linear, flip: Flip::Ldr, ..CompareOptions::default() };
+                let m = compare(clamped(timed.picture), reference.clone(), &options)
+                    .ok_or_else(|| format!("{} gave a picture of another size than the reference", r.name()))?;
+                let point = Point {
+                    renderer: r.name(),
+                    samples: *samples,
+                    seed,
+                    wall: timed.wall,
+                    cpu: timed.cpu,
+                    rel_mse: m.rel_mse,
+                    flip: m.flip.as_ref().map_or(f64::NAN, |f| f.1),
+                    mean_error: m.mean_ratio(),
+                };
+                told(&point);
+                points.push(point);
+            }
+        }
+    }
+    Ok(points)
+}
+
+/// Fireflies are not what is measured: values above 1 count as 1.
+fn clamped(mut p: Picture) -> Picture {
+    p.pixels.iter_mut().flatten().for_each(|v| *v = v.min(1.0));
+    p.has_alpha = false;
+    p
+}
+
+/// Mean over the seeds of a renderer's pictures with as many samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mean {
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Seconds (cores or wall clock).
+    pub seconds: f64,
+    /// Mean error.
+    pub rel_mse: f64,
+    /// Half of the width of the 95 % interval of the error.
+    pub spread: f64,
+}
+
+/// Means of one renderer, by samples. `by_cpu` takes the cores' seconds instead of the clock's.
+pub fn means(points: &[Point], renderer: &str, by_cpu: bool) -> Vec<Mean> {
+    let mut counts: Vec<u32> = points.iter().map(|p| p.samples).collect();
+    counts.sort_unstable();
+    counts.dedup();
+    let of = |samples: u32| {
+        let own: Vec<&Point> = points.iter().filter(|p| p.renderer == renderer && p.samples == samples).collect();
+        let n = own.len() as f64;
+        let mean = |f: &dyn Fn(&Point) -> f64| own.iter().map(|p| f(p)).sum::<f64>() / n;
+        let rel_mse = mean(&|p| p.rel_mse);
+        let variance = own.iter().map(|p| (p.rel_mse - rel_mse).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        let seconds = mean(&|p| if by_cpu && p.cpu.is_finite() { p.cpu } else { p.wall });
+        Mean { samples, seconds, rel_mse, spread: 1.96 * (variance / n).sqrt() }
+    };
+    counts.into_iter().map(of).filter(|m| m.rel_mse.is_finite()).collect()
+}
+
+/// Seconds until the error is `target`, between the counts measured on a double logarithmic line; `None` outside of them.
+pub fn seconds_to(means: &[Mean], target: f64) -> Option<f64> {
+    means.windows(2).find(|w| w[0].rel_mse >= target && w[1].rel_mse <= target).map(|w| {
+        let [a, b] = [&w[0], &w[1]].map(|m| (m.seconds.ln(), m.rel_mse.ln()));
+        let along = if a.1 == b.1 { 0.0 } else { (a.1 - target.ln()) / (a.1 - b.1) };
+        (a.0 + along * (b.0 - a.0)).exp()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(samples: u32, wall: f64, rel_mse: f64) -> Point {
+        Point { renderer: "r".into(), samples, seed: 0, wall, cpu: f64::NAN, rel_mse, flip: 0.0, mean_error: 1.0 }
+    }
+
+    #[test]
+    fn times_between_two_counts_lie_on_the_line() {
+        let m = means(&[point(1, 1.0, 1.0), point(16, 16.0, 0.0625), point(16, 16.0, 0.0625)], "r", true);
+        assert_eq!(m.len(), 2);
+        assert!((seconds_to(&m, 0.25).expect("between") - 4.0).abs() < 1e-9);
+        assert_eq!(seconds_to(&m, 2.0), None);
+        assert_eq!(seconds_to(&m, 0.01), None);
+    }
+}

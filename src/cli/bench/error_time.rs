@@ -1,0 +1,174 @@
+//! `rayloom bench error-time`: how soon a picture is how good.
+
+use crate::cli::console::{print_error, style};
+use clap::Args;
+use rayloom::backend::cpu::CpuBackend;
+use rayloom::bench::error_time::{Mean, Ours, Peer, Point, Renderer, means, run as measure, seconds_to};
+use rayloom::bench::{Line, log_chart};
+use rayloom::compare::{DEFAULT_MAX_PIXELS, Picture};
+use rayloom::compile::{CompileOptions, compile_scene};
+use rayloom::diag::{Severity, Sink, SourceMap, render};
+use rayloom::job::{JobError, load_scene};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Errors whose times are compared.
+const TARGETS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+/// Means that are apart by more than this are of other pictures, not of noise.
+const GATE: f64 = 0.01;
+const CYCLES: &str = include_str!("../../../benches/peers/cycles_timed.py");
+
+/// Arguments of `rayloom bench error-time`.
+#[derive(Debug, Args)]
+pub(super) struct ErrorTimeArgs {
+    /// Scene
+    scene: PathBuf,
+    /// Picture without noise, in linear light (EXR, HDR): its size is rendered
+    #[arg(long, value_name = "FILE")]
+    reference: PathBuf,
+    /// Samples a pixel
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1,4,16,64")]
+    spp: Vec<u32>,
+    /// Pictures with each count
+    #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    seeds: u32,
+    /// Threads of every renderer
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: u32,
+    /// Render it with Cycles as well, in turn: `cycles`, or `cycles=FILE.blend` for a scene as Blender saved it
+    #[arg(long, value_name = "PROGRAM[=SCENE]")]
+    against: Option<String>,
+    /// Python with bpy
+    #[arg(long, value_name = "FILE", default_value = "python3")]
+    python: PathBuf,
+    /// Write every picture's figures as CSV
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Write a chart
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+}
+
+/// Runs it. Exit code 2 where renderers do not agree on the picture.
+pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
+    let (mut map, mut sink) = (SourceMap::default(), Sink::default());
+    let loaded = load_scene(&args.scene, &[], &mut map, &mut sink);
+    for d in sink.drain().iter().filter(|d| d.severity == Severity::Error) {
+        eprint!("{}", render(d, &map, style()));
+    }
+    let scene = compile_scene(&loaded?, &CompileOptions::default(), &mut sink)?;
+    let failed = |message: String, code: u8| {
+        print_error(&message);
+        Ok(ExitCode::from(code))
+    };
+    let reference = match Picture::read(&args.reference, DEFAULT_MAX_PIXELS) {
+        Ok(p) => p.into_linear(),
+        Err(e) => return failed(e.to_string(), 4),
+    };
+    let (size, threads) = ((reference.width, reference.height), args.threads as usize);
+    let backend = CpuBackend::new(threads);
+    let mut ours = Ours { backend: &backend, scene: &scene, size, threads };
+    let folder = match tempfile::tempdir() {
+        Ok(f) => f,
+        Err(e) => return failed(format!("cannot make a temporary folder: {e}"), 4),
+    };
+    let mut peer = None;
+    if let Some(against) = &args.against {
+        let (program, scene) = against.split_once('=').map_or((&against[..], args.scene.clone()), |(p, s)| (p, s.into()));
+        if program != "cycles" {
+            return failed(format!("--against knows 'cycles', not '{program}'"), 2);
+        }
+        let script = folder.path().join("cycles_timed.py");
+        if let Err(e) = std::fs::write(&script, CYCLES) {
+            return failed(format!("cannot write '{}': {e}", script.display()), 4);
+        }
+        let (python, out) = (args.python.clone(), folder.path().join("peer.exr"));
+        peer = Some(Peer { name: format!("Cycles, {threads} threads"), python, script, scene, size, threads, out });
+    }
+    let mut renderers: Vec<&mut dyn Renderer> = vec![&mut ours];
+    renderers.extend(peer.as_mut().map(|p| p as &mut dyn Renderer));
+    let names: Vec<String> = renderers.iter().map(|r| r.name()).collect();
+    println!(
+        "{:<28} {:>6} {:>4} {:>9} {:>9} {:>10} {:>7} {:>7}",
+        "renderer", "spp", "seed", "wall s", "CPU s", "relMSE", "FLIP", "mean +-"
+    );
+    let points = match measure(&mut renderers, &reference, &args.spp, args.seeds, &mut |p| println!("{}", line(p))) {
+        Ok(points) => points,
+        Err(e) => return failed(e, 1),
+    };
+    let tables: Vec<Vec<Mean>> = names.iter().map(|n| means(&points, n, true)).collect();
+    print!("{}", summary(&names, &tables));
+    let name = args.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    for (path, text) in [(&args.csv, csv(&points)), (&args.svg, chart(&name, &names, &tables))] {
+        let Some(path) = path else { continue };
+        if let Err(e) = std::fs::write(path, text) {
+            return failed(format!("cannot write '{}': {e}", path.display()), 4);
+        }
+    }
+    Ok(agree(&points, &names, &args.spp))
+}
+
+/// Exit code 2, and a line, for a renderer whose mean is not the reference's.
+fn agree(points: &[Point], names: &[String], counts: &[u32]) -> ExitCode {
+    let most = counts.iter().max().copied().unwrap_or(0);
+    let mut code = ExitCode::SUCCESS;
+    for name in names {
+        let own: Vec<f64> = points.iter().filter(|p| p.renderer == *name && p.samples == most).map(|p| p.mean_error).collect();
+        let mean = own.iter().sum::<f64>() / own.len() as f64;
+        if !(mean <= GATE) {
+            println!("{name}: its mean is off by {:.2} %: it renders another picture, and its times mean little", 100.0 * mean);
+            code = ExitCode::from(2);
+        }
+    }
+    code
+}
+
+fn line(p: &Point) -> String {
+    format!(
+        "{:<28} {:>6} {:>4} {:>9.3} {:>9.2} {:>10.3e} {:>7.4} {:>7.4}",
+        p.renderer, p.samples, p.seed, p.wall, p.cpu, p.rel_mse, p.flip, p.mean_error
+    )
+}
+
+/// CPU seconds to each error, and the first renderer's share of the others'.
+fn summary(names: &[String], tables: &[Vec<Mean>]) -> String {
+    let mut s = String::new();
+    for target in TARGETS {
+        let times: Vec<Option<f64>> = tables.iter().map(|t| seconds_to(t, target)).collect();
+        if times.iter().all(Option::is_none) {
+            continue;
+        }
+        let _ = write!(s, "relMSE {target:.0e}:");
+        for (name, t) in names.iter().zip(&times) {
+            let text = t.map_or("not within these counts".into(), |t| format!("{t:.3} CPU s"));
+            let _ = write!(s, "  {name} {text}");
+        }
+        if let [Some(ours), Some(theirs)] = times[..] {
+            let _ = write!(s, "  ({:.2} times sooner)", theirs / ours);
+        }
+        s.push('\n');
+    }
+    s
+}
+
+fn csv(points: &[Point]) -> String {
+    let mut s = String::from("renderer,spp,seed,wall_s,cpu_s,rel_mse,flip,mean_error\n");
+    for p in points {
+        let _ = writeln!(
+            s,
+            "\"{}\",{},{},{:.6},{:.3},{:.6e},{:.6},{:.6}",
+            p.renderer, p.samples, p.seed, p.wall, p.cpu, p.rel_mse, p.flip, p.mean_error
+        );
+    }
+    s
+}
+
+fn chart(title: &str, names: &[String], tables: &[Vec<Mean>]) -> String {
+    let of = |(name, t): (&String, &Vec<Mean>)| Line {
+        name: name.clone(),
+        points: t.iter().map(|m| [m.seconds, m.rel_mse, m.spread]).collect(),
+    };
+    let lines: Vec<Line> = names.iter().zip(tables).map(of).collect();
+    log_chart(title, "CPU seconds", "relMSE", &lines)
+}
