@@ -65,5 +65,5 @@ if __name__ == "__main__":
     p.add_argument("what", choices=["render", "compare"]); p.add_argument("--out", required=True); p.add_argument("--backend", default="cpu,gpu")
     p.add_argument("--size", default="96x72"); p.add_argument("--spp", type=int, default=16); p.add_argument("--seeds", type=int, default=8)
     p.add_argument("--program", default="target/debug/rayloom"); p.add_argument("--timeout", type=int, default=900); p.add_argument("scenes", nargs="*")
-    a = p.parse_args()
+    a = p.parse_intermixed_args()
     render(a) if a.what == "render" else compare(a)

@@ -43,11 +43,7 @@ pub(super) fn render(
             sink.note_once(key, None, what);
         }
     }
-    let cpu_only = match (job.render.passes.is_empty(), job.render.noise.is_some()) {
-        (false, _) => Some("passes"),
-        (true, true) => Some("adaptive sampling"),
-        (true, false) => None,
-    };
+    let cpu_only = (!job.render.passes.is_empty()).then_some("passes");
     if let (Some(what), true) = (cpu_only, job.backend == BackendChoice::Gpu) {
         sink.note_once("fallback", None, format!("rendered on the CPU: the GPU back end does not do {what} yet"));
     }

@@ -7,7 +7,7 @@ use rayloom::backend::{Backend, BackendError};
 use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
 use rayloom::diag::Sink;
 use rayloom::film::Film;
-use rayloom::integrate::{IntegratorKind, RenderSettings};
+use rayloom::integrate::{IntegratorKind, NoiseLimit, RenderSettings};
 use rayloom::math::{DVec3, Transform, Vec3};
 use rayloom::scene::input::{Color, Scalar};
 use rayloom::scene::lamp::LampShape;
@@ -189,6 +189,26 @@ fn ranges_of_samples_add_up_and_other_structures_see_the_same() {
     scene.options.accel = rayloom::accel::AccelKind::KdShort;
     let (same, ..) = compare(&render(&gpu, &scene, 0..3).expect("renders"), &whole);
     assert!(same > 0.99, "{same}");
+}
+
+#[test]
+fn quiet_pixels_get_no_more_samples_on_both_machines() {
+    let Some(gpu) = gpu() else { return };
+    let ball = lamp(LampShape::Point { radius: 0.5, soft_falloff: false }, 60.0, DVec3::new(2.5, -1.0, 2.0));
+    let scene = compiled(&scene_of(vec![diffuse(0.8, 0.3, 0.2)], vec![ball], 0.3));
+    let noise = Some(NoiseLimit { threshold: 0.12, min_samples: 4 });
+    let settings =
+        RenderSettings { integrator: IntegratorKind::Path, samples: 0..40, threads: 2, noise, ..RenderSettings::plain(SIZE[0], SIZE[1]) };
+    let counts = [&gpu as &dyn Backend, &CpuBackend::new(2)].map(|machine| {
+        let mut film = Film::new(SIZE[0], SIZE[1]);
+        machine.render(&scene, &settings, &mut film, &(), &AtomicBool::new(false)).expect("renders");
+        film.samples
+    });
+    let of = |n: u32| counts[0].iter().filter(|c| **c == n).count();
+    assert!(of(4) > 50 && counts[0].len() - of(4) > 50, "{} pixels of {} are done at once", of(4), counts[0].len());
+    let same = counts[0].iter().zip(&counts[1]).filter(|(a, b)| a == b).count();
+    println!("{same} of {} pixels have the same number of samples", counts[0].len());
+    assert!(same as f64 >= 0.97 * counts[0].len() as f64, "{same}");
 }
 
 #[test]

@@ -58,7 +58,7 @@ impl PathBuffers {
                 objects.insert(k as u32, append(&mut e.words, object_words(scene, prim)));
             }
         }
-        let faces = encode_faces(scene, plan, kind, &clear, &objects)?;
+        let faces = encode_faces(scene, plan, kind, &clear, &objects, e.more_uvs)?;
         p.emitters_at = append(&mut e.words, faces.emitters.iter().copied());
         p.n_faces = faces.faces.len() as u32;
         // A grid's lists have no references before them: leaves name faces.
@@ -139,6 +139,7 @@ fn shader_options(
     ];
     features.iter().for_each(|(name, holds)| o.feature_if(name, *holds));
     name_constants(&mut o, room, nodes_at);
+    o.constant("UV_SETS", 1 + e.more_uvs);
     choose_walk(&mut o, kind, 1, faces.tree.depth);
     o
 }
@@ -181,6 +182,7 @@ mod tests {
     fn validates(features: &[&str]) -> Result<(), String> {
         let mut o = ShaderOptions::default();
         name_constants(&mut o, Room { lobes: 3, stack: 2, closures: 3 }, 1024);
+        o.constant("UV_SETS", 2u32);
         choose_walk(&mut o, AccelKind::Bvh, 1, 20);
         ["mesh", "path_rays"].iter().chain(features).for_each(|f| o.feature(f));
         let text = assemble("path/trace_paths", &o).map_err(|e| e.to_string())?;
@@ -195,6 +197,7 @@ mod tests {
         let sets: &[&[&str]] = &[
             &[],
             &["lens"],
+            &["halves"],
             &["orthographic"],
             &["smooth_faces"],
             &["face_flags"],
@@ -210,6 +213,7 @@ mod tests {
             &["any_light", "env_sampled", "environment", "env_picture", "mirror_ball"],
             &["any_light", "env_sampled", "environment", "sky", "sky_sun", "many_kinds"],
             &["texels", "uv", "corner_colors", "bent", "bumps"],
+            &["texels", "uv", "more_uvs", "bent"],
             &["principled"],
             &["principled", "sheen"],
             &["principled", "microfacets", "specular"],

@@ -57,6 +57,7 @@ pub(super) fn encode_faces(
     kind: AccelKind,
     clear: &[bool],
     objects: &HashMap<u32, u32>,
+    more_uvs: u32,
 ) -> Result<FaceTables, BackendError> {
     let g = &scene.geometry;
     let (mut vertices, mut faces, mut list) = (Vec::new(), Vec::new(), Vec::new());
@@ -84,7 +85,7 @@ pub(super) fn encode_faces(
     for ix in &tree.order {
         let Face { prim_ix, face_ix, material } = list[*ix as usize];
         let prim = &g.prims[prim_ix as usize];
-        let (hung_at, mut bits) = hang(scene, prim, face_ix, &mut out.hung);
+        let (hung_at, mut bits) = hang(scene, prim, face_ix, more_uvs as usize, &mut out.hung);
         bits |= flag_bits(prim.flags) | if clear[material as usize] { face_bits::CLEAR } else { 0 };
         let emitter = emitter_of.get(&(prim_ix, face_ix)).copied();
         if let Some(k) = emitter {
@@ -130,8 +131,11 @@ fn flag_bits(flags: u32) -> u32 {
     (face_bits::UNSEEN * unseen) | (face_bits::NO_SHADOW * has(prim_flags::NO_SHADOW))
 }
 
+/// Coordinates of a mesh, and which of them a face's corners have.
+type UvSet<'m> = (&'m [[f32; 2]], [u32; 3]);
+
 /// What hangs on the corners of a face: its place, and the bits that say what there is.
-fn hang(scene: &CompiledScene, prim: &Prim, face_ix: u32, words: &mut Vec<u32>) -> (u32, u32) {
+fn hang(scene: &CompiledScene, prim: &Prim, face_ix: u32, more_uvs: usize, words: &mut Vec<u32>) -> (u32, u32) {
     let g = &scene.geometry;
     let mesh = &g.shapes.meshes[prim.shape_ix as usize].mesh;
     let t = &g.transforms[prim.transform_ix as usize];
@@ -141,10 +145,16 @@ fn hang(scene: &CompiledScene, prim: &Prim, face_ix: u32, words: &mut Vec<u32>) 
         let normal = |k: u32| t.normal(mesh.normals.get(k as usize).map_or(DVec3::ZERO, |n| n.as_dvec3())).as_vec3();
         words.extend(turned(t, ix.map(normal)).iter().flat_map(|n| n.to_array()).map(f32::to_bits));
     }
-    if let Some(ix) = mesh.uv_indices.get(face) {
+    let sets: Vec<Option<UvSet>> = std::iter::once(mesh.uv_indices.get(face).map(|ix| (&mesh.uvs[..], *ix)))
+        .chain((0..more_uvs).map(|k| mesh.more_uvs.get(k).and_then(|m| Some((&m.uvs[..], *m.indices.get(face)?)))))
+        .collect();
+    if sets.iter().any(Option::is_some) {
         bits |= face_bits::UV;
-        let uv = ix.map(|k| mesh.uvs.get(k as usize).copied().unwrap_or([0.0; 2]));
-        words.extend(turned(t, uv).iter().flatten().map(|v| v.to_bits()));
+        for set in sets {
+            // A set that is not there is a point.
+            let uv = set.map_or([[0.0; 2]; 3], |(uvs, ix)| ix.map(|k| uvs.get(k as usize).copied().unwrap_or([0.0; 2])));
+            words.extend(turned(t, uv).iter().flatten().map(|v| v.to_bits()));
+        }
     }
     if !mesh.colors.is_empty() {
         bits |= face_bits::COLORS;

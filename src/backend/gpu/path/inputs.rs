@@ -8,8 +8,17 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 /// Words of a picture as an input reads it: name and length.
-const LOOK: &[(&str, u32)] =
-    &[("TEXELS_AT", 1), ("WIDTH", 1), ("HEIGHT", 1), ("FORMAT", 1), ("FLAGS", 1), ("WRAP_U", 1), ("WRAP_V", 1), ("UV_TRANSFORM", 6)];
+const LOOK: &[(&str, u32)] = &[
+    ("TEXELS_AT", 1),
+    ("WIDTH", 1),
+    ("HEIGHT", 1),
+    ("FORMAT", 1),
+    ("FLAGS", 1),
+    ("WRAP_U", 1),
+    ("WRAP_V", 1),
+    ("UV_TRANSFORM", 6),
+    ("UV_SET", 1),
+];
 const LOOK_SRGB: u32 = 1;
 const LOOK_LINEAR: u32 = 2;
 const LOOK_LATE: u32 = 4;
@@ -38,6 +47,8 @@ pub(super) struct Encoder {
     pub texels: Vec<u32>,
     /// Features that shaders need.
     pub features: BTreeSet<&'static str>,
+    /// Sets of texture coordinates beyond the first that are looked at.
+    pub more_uvs: u32,
     known: HashMap<*const MaterialImage, u32>,
 }
 
@@ -100,8 +111,9 @@ impl Encoder {
     }
 
     fn picture(&mut self, p: &Picture) -> Result<u32, BackendError> {
-        if p.uv_set != 0 {
-            return refused("second sets of texture coordinates");
+        if p.uv_set > 0 {
+            self.features.insert("more_uvs");
+            self.more_uvs = self.more_uvs.max(p.uv_set);
         }
         self.features.insert("texels");
         self.features.insert("uv");
@@ -138,6 +150,7 @@ impl Encoder {
         let mut w = vec![texels_at, t.image.width, t.image.height, format, flags];
         w.extend(t.wrap.map(edge));
         w.extend(t.uv_transform.as_flattened().iter().map(|v| v.to_bits()));
+        w.push(p.uv_set);
         Ok(append(&mut self.words, w))
     }
 }

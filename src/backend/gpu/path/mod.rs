@@ -1,6 +1,7 @@
 //! The path integrator on the GPU: whole paths, a thread a slot of the film (`shaders/path/trace_paths.wesl`). The CPU's integrator
 //! (`integrate/path`) is the gold; both draw the same numbers, so that pictures differ by rounding alone.
 
+mod adaptive;
 mod buffers;
 mod geometry;
 mod inputs;
@@ -44,6 +45,8 @@ pub struct PathScene<'g> {
     path_layout: wgpu::BindGroupLayout,
     fixed: Vec<wgpu::Buffer>,
     params: PathParams,
+    /// Sums of every second sample are kept beside.
+    halves: bool,
     is_software: bool,
 }
 
@@ -51,6 +54,8 @@ pub struct PathScene<'g> {
 struct Slots {
     group: wgpu::BindGroup,
     film: wgpu::Buffer,
+    /// Sums of the samples of odd number, where they are asked for.
+    odd: wgpu::Buffer,
     n: u32,
 }
 
@@ -63,7 +68,14 @@ struct Pace {
 
 impl<'g> PathScene<'g> {
     /// Uploads a scene and makes its pipeline, for a picture of `size`.
-    pub fn new(gpu: &'g Gpu, scene: &CompiledScene, plan: &PathPlan, kind: AccelKind, size: [u32; 2]) -> Result<Self, BackendError> {
+    pub fn new(
+        gpu: &'g Gpu,
+        scene: &CompiledScene,
+        plan: &PathPlan,
+        kind: AccelKind,
+        size: [u32; 2],
+        halves: bool,
+    ) -> Result<Self, BackendError> {
         if let Some(what) = support::first_obstacle(scene, plan) {
             return Err(BackendError::Unsupported(what));
         }
@@ -82,9 +94,11 @@ impl<'g> PathScene<'g> {
         let scene_group = gpu.bind_group(&scene_layout, &numbered);
         let mut entries = vec![uniform_layout(0), uniform_layout(1)];
         entries.extend((2..7).map(|k| binding_layout(k, false)));
-        entries.push(binding_layout(7, true));
+        entries.extend([binding_layout(7, true), binding_layout(8, true)]);
         let path_layout = gpu.group_layout("paths", &entries);
-        let text = assemble("path/trace_paths", &b.options)?;
+        let mut options = b.options;
+        options.feature_if("halves", halves);
+        let text = assemble("path/trace_paths", &options)?;
         let pipeline = gpu.compute_pipeline("trace_paths", &text, "trace_paths", &[&scene_layout, &path_layout])?;
         let fixed = vec![
             gpu.uniform_buffer("path parameters", bytes_of(&b.params)),
@@ -96,7 +110,7 @@ impl<'g> PathScene<'g> {
         ];
         gpu.check()?;
         let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
-        Ok(Self { gpu, pipeline, scene_group, path_layout, fixed, params: b.params, is_software })
+        Ok(Self { gpu, pipeline, scene_group, path_layout, fixed, params: b.params, halves, is_software })
     }
 
     /// Other random numbers from now on.
@@ -110,8 +124,9 @@ impl<'g> PathScene<'g> {
         let packed: Vec<u32> = pixels.iter().map(|(x, y)| x | y << 16).collect();
         let list = self.gpu.storage_buffer("pixels", cast_slice(&packed))?;
         let film = self.gpu.empty_buffer("sums of pixels", 16 * packed.len() as u64)?;
-        let all: Vec<(u32, &wgpu::Buffer)> = (0..).zip(self.fixed.iter().chain([&list, &film])).collect();
-        Ok(Slots { group: self.gpu.bind_group(&self.path_layout, &all), film, n: packed.len() as u32 })
+        let odd = self.gpu.empty_buffer("sums of odd samples", if self.halves { 16 * packed.len() as u64 } else { 0 })?;
+        let all: Vec<(u32, &wgpu::Buffer)> = (0..).zip(self.fixed.iter().chain([&list, &film, &odd])).collect();
+        Ok(Slots { group: self.gpu.bind_group(&self.path_layout, &all), film, odd, n: packed.len() as u32 })
     }
 
     /// Runs samples `first..end` of `n` slots from `at` on, and waits for them.
@@ -158,10 +173,10 @@ impl<'g> PathScene<'g> {
         Ok(sample - samples.start)
     }
 
-    /// Red, green, blue, transmit of each slot, summed over its samples.
-    fn sums(&self, slots: &Slots) -> Result<Vec<[f32; 4]>, BackendError> {
+    /// What a buffer of `n` slots holds: red, green, blue, transmit of each, summed over its samples.
+    fn sums(&self, film: &wgpu::Buffer, n: u32) -> Result<Vec<[f32; 4]>, BackendError> {
         let encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let bytes = self.gpu.submit_and_read(encoder, &slots.film, 0, 16 * u64::from(slots.n))?;
+        let bytes = self.gpu.submit_and_read(encoder, film, 0, 16 * u64::from(n))?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
@@ -192,7 +207,10 @@ pub(super) fn render(
     cancel: &AtomicBool,
 ) -> Result<(), BackendError> {
     let plan = PathPlan::new(scene, settings.width, settings.height, settings.seed, settings.output_alpha);
-    let on_device = PathScene::new(gpu, scene, &plan, kind, [settings.width, settings.height])?;
+    let on_device = PathScene::new(gpu, scene, &plan, kind, [settings.width, settings.height], settings.noise.is_some())?;
+    if let Some(limit) = &settings.noise {
+        return adaptive::until_quiet(&on_device, settings, limit, film, progress, cancel);
+    }
     let (blocks, finished) = unfinished_blocks(film, settings);
     let pixels: Vec<(u32, u32)> = blocks.iter().flat_map(|b| tiles_of(*b)).collect();
     let [x0, y0, x1, y1] = settings.crop.map(u64::from);
@@ -209,7 +227,7 @@ pub(super) fn render(
         if n == 0 {
             return Ok(());
         }
-        for ((x, y), s) in part.iter().zip(on_device.sums(&slots)?) {
+        for ((x, y), s) in part.iter().zip(on_device.sums(&slots.film, slots.n)?) {
             let at = film.index(*x, *y);
             add_samples(film, at, s.map(|v| v / n as f32), n);
         }
@@ -240,7 +258,7 @@ pub(super) fn measure(
 ) -> Result<PathTimes, BackendError> {
     let start = Instant::now();
     let plan = PathPlan::new(scene, settings.width, settings.height, settings.seed, settings.output_alpha);
-    let mut on_device = PathScene::new(gpu, scene, &plan, kind, [settings.width, settings.height])?;
+    let mut on_device = PathScene::new(gpu, scene, &plan, kind, [settings.width, settings.height], false)?;
     let pixels: Vec<(u32, u32)> = blocks(settings.crop, settings.block_size).iter().flat_map(|b| tiles_of(*b)).collect();
     let parts = pixels.chunks(MAX_SLOTS).map(|part| on_device.slots(part)).collect::<Result<Vec<Slots>, _>>()?;
     let prepare_seconds = start.elapsed().as_secs_f64();
@@ -256,7 +274,7 @@ pub(super) fn measure(
     let sum = |on_device: &PathScene| -> Result<f64, BackendError> {
         let mut total = 0.0;
         for slots in &parts {
-            total += on_device.sums(slots)?.iter().flat_map(|s| &s[..3]).map(|v| f64::from(*v)).sum::<f64>();
+            total += on_device.sums(&slots.film, slots.n)?.iter().flat_map(|s| &s[..3]).map(|v| f64::from(*v)).sum::<f64>();
         }
         Ok(total)
     };
