@@ -89,17 +89,32 @@ fn a_ball_of_any_material_that_takes_no_light_vanishes_in_a_white_room() {
     let plain = PrincipledClosure { base_color: 1.0.into(), ..PrincipledClosure::default() };
     let glass = PrincipledClosure { transmission_weight: 1.0.into(), ..plain.clone() };
     let metal = PrincipledClosure { metallic: 1.0.into(), ..plain.clone() };
-    for rough in [0.0f32, 0.3, 0.7, 1.0] {
-        for (name, p, tolerance) in [("plain", &plain, 0.02), ("glass", &glass, 2e-2), ("metal", &metal, 3e-3)] {
+    let mut wrong = Vec::new();
+    for rough in [0.0f32, 0.1, 0.3, 0.6, 1.0] {
+        for (name, p) in [("plain", &plain), ("glass", &glass), ("metal", &metal)] {
             let p = PrincipledClosure { roughness: rough.into(), ..p.clone() };
             let ball = covered(Shape::Sphere { center: DVec3::ZERO, radius: 0.5 }, Closure::Principled(Box::new(p)));
             let mut s = scene(vec![ball], vec![], Vec3::ONE);
             s.settings.path.max_bounces = 1000;
             s.settings.path.transmission_bounces = 1000;
             s.settings.path.glossy_bounces = 1000;
-            close(&format!("{name} of roughness {rough}"), mean_of(&s, 0..512), 1.0, tolerance);
+            // Rough glass puts energy back bounce by bounce, which makes few paths carry much: the mean is told with its error.
+            let n = if name != "glass" || rough < 0.4 {
+                1 << 11
+            } else if rough < 0.8 {
+                1 << 14
+            } else {
+                1 << 16
+            };
+            let parts: Vec<f32> = (0..16).map(|k| mean_of(&s, k * n / 16..(k + 1) * n / 16).x).collect();
+            let mean = parts.iter().sum::<f32>() / 16.0;
+            let error = (parts.iter().map(|p| (p - mean).powi(2)).sum::<f32>() / (16.0 * 15.0)).sqrt();
+            if (mean - 1.0).abs() > 1e-3f32.max(3.0 * error) || error > 1e-3 {
+                wrong.push(format!("{name} of roughness {rough}: {mean} with an error of {error}"));
+            }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]

@@ -215,7 +215,7 @@ impl<'p> Medium<'p> {
 }
 
 /// Henyey-Greenstein: density of a cosine between the old and the new direction.
-fn phase(g: f32, cos: f32) -> f32 {
+pub(super) fn phase(g: f32, cos: f32) -> f32 {
     let d = 1.0 + g * g - 2.0 * g * cos;
     (1.0 - g * g) / (4.0 * PI * d.max(1e-8) * d.max(1e-8).sqrt())
 }

@@ -12,7 +12,7 @@ pub mod hair;
 pub mod microfacet;
 pub mod sheen;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 pub mod thin_film;
 
 use crate::math::{Rgb, Vec3};

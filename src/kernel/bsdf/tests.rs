@@ -9,7 +9,7 @@ use super::microfacet::Microfacet;
 use super::sheen::Sheen;
 use super::{Lobe, LobeKind, albedo};
 use crate::math::Vec3;
-use crate::math::sobol::sobol4;
+use crate::math::sobol::{Pcg, sobol4};
 
 const ROUGHNESSES: [f32; 7] = [0.0, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
 const COSINES: [f32; 4] = [0.1, 0.4, 0.8, 1.0];
@@ -71,34 +71,33 @@ fn clear_hair_is_white_in_a_white_room() {
     }
 }
 
-/// Pearson's statistic of a sampler against its density over 20 x 40 cells of the sphere; gives it with its degrees of freedom.
-fn chi_square(l: &Lobe, v: Vec3) -> (f64, f64) {
+/// How unlikely a sampler's draws are under its density, as a normal score (4: 1 in 30,000 fails by chance): Pearson's statistic over 20 x 40
+/// cells of the sphere, with one more cell for what is lost. `sub` squared points of each cell give what is expected there.
+pub(crate) fn chi_square_score(sub: usize, mut draw: impl FnMut(&mut Pcg) -> Option<Vec3>, density: impl Fn(Vec3) -> f32) -> f64 {
     const ROWS: usize = 20;
     const COLUMNS: usize = 40;
     let n = 1 << 17;
     let mut counts = vec![0.0f64; ROWS * COLUMNS + 1];
-    let mut rng = crate::math::sobol::Pcg::new(5);
+    let mut rng = Pcg::new(5);
     for _ in 0..n {
-        let cell = l.sample(v, [rng.draw(), rng.draw(), rng.draw()]).map_or(ROWS * COLUMNS, |s| {
-            let row = (((1.0 - s.l.z) / 2.0 * ROWS as f32) as usize).min(ROWS - 1);
-            let turn = s.l.y.atan2(s.l.x) / std::f32::consts::TAU + 0.5;
+        let cell = draw(&mut rng).map_or(ROWS * COLUMNS, |l| {
+            let row = (((1.0 - l.z) / 2.0 * ROWS as f32) as usize).min(ROWS - 1);
+            let turn = l.y.atan2(l.x) / std::f32::consts::TAU + 0.5;
             row * COLUMNS + ((turn * COLUMNS as f32) as usize).min(COLUMNS - 1)
         });
         counts[cell] += 1.0;
     }
     let mut expected = vec![0.0f64; ROWS * COLUMNS + 1];
-    const SUB: usize = 24;
     for row in 0..ROWS {
         for column in 0..COLUMNS {
             let mut sum = 0.0f64;
-            for k in 0..SUB * SUB {
-                let u = (row as f32 + ((k / SUB) as f32 + 0.5) / SUB as f32) / ROWS as f32;
-                let w = (column as f32 + ((k % SUB) as f32 + 0.5) / SUB as f32) / COLUMNS as f32;
-                let d = uniform_sphere(u, w - 0.5);
-                sum += f64::from(l.eval(v, d).1);
+            for k in 0..sub * sub {
+                let u = (row as f32 + ((k / sub) as f32 + 0.5) / sub as f32) / ROWS as f32;
+                let w = (column as f32 + ((k % sub) as f32 + 0.5) / sub as f32) / COLUMNS as f32;
+                sum += f64::from(density(uniform_sphere(u, w - 0.5)));
             }
             let area = 4.0 * std::f64::consts::PI / (ROWS * COLUMNS) as f64;
-            expected[row * COLUMNS + column] = sum / (SUB * SUB) as f64 * area * f64::from(n);
+            expected[row * COLUMNS + column] = sum / (sub * sub) as f64 * area * f64::from(n);
         }
     }
     let total: f64 = expected.iter().sum();
@@ -117,7 +116,9 @@ fn chi_square(l: &Lobe, v: Vec3) -> (f64, f64) {
         chi += (pool.0 - pool.1) * (pool.0 - pool.1) / pool.1;
         cells += 1.0;
     }
-    (chi, cells - 1.0)
+    // Wilson and Hilferty's normal score.
+    let freedom = cells - 1.0;
+    ((chi / freedom).cbrt() - (1.0 - 2.0 / (9.0 * freedom))) / (2.0 / (9.0 * freedom)).sqrt()
 }
 
 #[test]
@@ -141,10 +142,35 @@ fn samplers_draw_what_their_densities_say() {
             ("hair", LobeKind::Hair(Hair::new(&p, 0.4, v))),
         ];
         for (name, kind) in kinds {
-            let (chi, freedom) = chi_square(&lobe(kind), v);
-            // Wilson and Hilferty's normal score; 1 in 30,000 fails by chance.
-            let z = ((chi / freedom).cbrt() - (1.0 - 2.0 / (9.0 * freedom))) / (2.0 / (9.0 * freedom)).sqrt();
-            assert!(z < 4.0, "{name} at cosine {cos}: chi square {chi:.1} with {freedom} degrees of freedom, score {z:.1}");
+            let l = lobe(kind);
+            let score = chi_square_score(24, |rng| Some(l.sample(v, [rng.draw(), rng.draw(), rng.draw()])?.l), |d| l.eval(v, d).1);
+            assert!(score < 4.0, "{name} at cosine {cos}: score {score:.1}");
         }
+    }
+}
+
+#[test]
+fn the_chi_square_test_finds_a_wrong_density() {
+    let l = lobe(LobeKind::Lambert);
+    let v = viewer(0.5);
+    let score =
+        chi_square_score(24, |rng| Some(l.sample(v, [rng.draw(), rng.draw(), rng.draw()])?.l), |d| l.eval(v, d).1 * (1.0 + 0.15 * d.x));
+    assert!(score > 8.0, "score {score}");
+}
+
+/// A lobe whose normal leans away from the flat face.
+#[test]
+fn sets_of_lobes_with_bent_normals_draw_what_their_densities_say() {
+    let bent = Vec3::new(0.5, 0.2, 0.8).normalize();
+    for (name, kind) in
+        [("ggx 0.9", facets(0.9, Fresnel::Mirror, false)), ("ggx 0.4", facets(0.4, Fresnel::Mirror, false)), ("lambert", LobeKind::Lambert)]
+    {
+        let mut set = super::LobeSet::new(Vec3::Z, Vec3::Z);
+        set.push(Lobe { frame: Frame::about(bent), is_bent: true, ..lobe(kind) });
+        set.push(Lobe { chance: 0.5, ..lobe(LobeKind::Lambert) });
+        let v = viewer(0.7);
+        let score =
+            chi_square_score(32, |rng| Some(set.sample(v, [rng.draw(), rng.draw(), rng.draw(), rng.draw()])?.l), |d| set.eval(v, d).1);
+        assert!(score < 4.0, "{name}: score {score:.1}");
     }
 }

@@ -7,6 +7,8 @@ pub mod emitter;
 pub mod environment;
 pub mod lamp;
 pub mod sky;
+#[cfg(test)]
+mod tests;
 pub mod tree;
 
 use crate::compile::{CompiledLight, CompiledScene};
