@@ -76,6 +76,11 @@ impl Bounces {
         }
     }
 
+    /// Whether a diffuse bounce lies between here and the camera.
+    pub fn has_been_diffuse(&self) -> bool {
+        self.diffuse > 0
+    }
+
     /// After a bounce off a surface.
     pub fn scattered(&mut self, event: Event, limits: &PathSettings) {
         self.total += 1;

@@ -64,6 +64,15 @@ pub struct View {
     pub refractive: bool,
     /// Fewest roughness of glossy lobes ("filter glossy").
     pub min_roughness: f32,
+    /// Light goes ways below the surface; else it is diffuse there.
+    pub below: bool,
+}
+
+impl View {
+    /// With everything that the closures have, for `mirrors`, none of them otherwise.
+    pub const fn plain(mirrors: bool) -> Self {
+        Self { reflective: mirrors, refractive: mirrors, min_roughness: 0.0, below: true }
+    }
 }
 
 /// Builds the lobes of one hit.
@@ -117,7 +126,7 @@ pub fn emission(c: &Closure, s: &Surface) -> Rgb {
         }
         Closure::Add(a, b) => emission(a, s) + emission(b, s),
         // Coat and sheen dim it, which the lobes know.
-        Closure::Principled(_) => shade(Some(c), s, View { reflective: true, refractive: true, min_roughness: 0.0 }).emission,
+        Closure::Principled(_) => shade(Some(c), s, View::plain(true)).emission,
         _ => Vec3::ZERO,
     }
 }
@@ -198,10 +207,11 @@ impl Builder<'_, '_> {
                 let a = s.scalar(anisotropy).clamp(-0.99, 0.99);
                 let width = rough * rough;
                 let ggx = if a < 0.0 {
-                    Ggx { ax: width / (1.0 + a), ay: width * (1.0 + a) }
+                    Ggx { ax: (width / (1.0 + a)).min(1.0), ay: width * (1.0 + a) }
                 } else {
-                    Ggx { ax: width * (1.0 - a), ay: width / (1.0 - a) }
+                    Ggx { ax: width * (1.0 - a), ay: (width / (1.0 - a)).min(1.0) }
                 };
+                let rough = (ggx.ax * ggx.ay).sqrt().sqrt();
                 let frame = if a == 0.0 { Frame::about(n) } else { self.turned_frame(n, s.scalar(rotation)) };
                 let gain = self.compensation(*distribution, rough, n, color);
                 let kind = LobeKind::Microfacet(Microfacet { ggx, fresnel: Fresnel::Mirror, refracts: false });
@@ -322,8 +332,8 @@ impl Builder<'_, '_> {
     }
 
     pub(super) fn subsurface(&mut self, weight: Rgb, albedo: Rgb, radius: Rgb, anisotropy: f32, normal: Vec3) {
-        // Channels without a radius are diffuse.
-        let walks = radius.map(|r| f32::from(r > 1e-4));
+        // Source: Cycles' least radius, 1e-8.
+        let walks = radius.map(|r| f32::from(self.view.below && r >= 1e-8));
         let flat = weight * (Vec3::ONE - walks);
         if flat.max_element() > CUTOFF {
             self.push(flat, 1.0, Frame::about(normal), LobeKind::Lambert, false);

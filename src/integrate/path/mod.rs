@@ -9,6 +9,8 @@ mod bounce;
 pub mod camera;
 mod closure;
 pub mod filter;
+#[cfg(test)]
+mod furnace_tests;
 pub mod lights;
 #[cfg(test)]
 mod pass_tests;

@@ -72,7 +72,7 @@ impl PathPlan<'_> {
 
     /// What a shadow ray keeps at a POV-Ray texture: what goes straight on.
     pub(super) fn pov_transparency(&self, surface: &Surface, cover: PlainCover) -> Rgb {
-        self.pov_shading(surface, cover, View { reflective: false, refractive: false, min_roughness: 0.0 }).transparent
+        self.pov_shading(surface, cover, View::plain(false)).transparent
     }
 }
 

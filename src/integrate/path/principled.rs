@@ -101,7 +101,7 @@ impl Builder<'_, '_> {
             let f = f0 + (1.0 - f0) * albedo::dielectric_mix(ior, rough, cos);
             let m = Microfacet { ggx: Ggx::isotropic(rough * rough), fresnel, refracts: false };
             self.push(weight * coat, f, Frame::about(n), LobeKind::Microfacet(m), is_bent);
-            weight = below(weight, weight * coat * f);
+            weight = below(weight, weight * coat * f * albedo::mirror(rough, cos));
         }
         let tint = s.color(&p.coat_tint).clamp(Vec3::ZERO, Vec3::ONE);
         if tint != Vec3::ONE {
@@ -122,7 +122,9 @@ impl Builder<'_, '_> {
         }
         let aspect = (1.0 - 0.9 * anisotropic).sqrt();
         let turns = self.surface.scalar(&p.anisotropic_rotation);
-        (Ggx { ax: width / aspect, ay: width * aspect }, self.turned_frame(n, turns), rough)
+        // Widths end at 1. Source: Cycles (measured).
+        let ggx = Ggx { ax: (width / aspect).min(1.0), ay: width * aspect };
+        (ggx, self.turned_frame(n, turns), (ggx.ax * ggx.ay).sqrt().sqrt())
     }
 
     fn metal(&mut self, p: &PrincipledClosure, weight: Rgb, f0: Rgb, tint: Rgb, roughness: f32, n: Vec3, is_bent: bool) {
@@ -156,15 +158,17 @@ impl Builder<'_, '_> {
         let cos = n.dot(s.v).clamp(0.0, 1.0);
         let tints = [Vec3::ONE, Vec3::ZERO];
         let thickness = s.scalar(&p.thin_film_thickness);
-        let (fresnel, f, mean_f) = if thickness > 0.1 {
+        // Of films too: their mean is not known, and Cycles measures so.
+        let mean_f = f0_tinted + (Vec3::ONE - f0_tinted) * albedo::dielectric_mean(eta);
+        let (fresnel, f) = if thickness > 0.1 {
             let film = ThinFilm { nanometres: thickness, ior: s.scalar(&p.thin_film_ior).max(1e-5), outside: 1.0 };
             let fresnel = Fresnel::Film { film, eta, f0: f0_tinted, tint: tints };
             let f = fresnel.eval(cos).0;
-            (fresnel, f, f)
+            (fresnel, f)
         } else {
             let fresnel = Fresnel::Dielectric { eta, f0: f0_tinted, tint: tints };
             let f = f0_tinted + (Vec3::ONE - f0_tinted) * albedo::dielectric_mix(eta, rough, cos);
-            (fresnel, f, f0_tinted + (Vec3::ONE - f0_tinted) * albedo::dielectric_mean(eta))
+            (fresnel, f)
         };
         let gain = self.compensation(p.distribution, rough, n, mean_f);
         let layer = weight * gain * f * albedo::mirror(rough, cos);

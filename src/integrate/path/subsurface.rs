@@ -1,4 +1,4 @@
-//! Random walks below a surface: light enters diffusely, scatters inside the object, and leaves where the walk meets its surface again.
+//! Random walks below a surface: light goes straight in, scatters inside the object, and leaves where the walk meets its surface again.
 //!
 //! Source: Chiang, Kutz and Burley 2016; the colour of a body from that of its parts by van de Hulst's formula for a half space lit from
 //! all sides (van de Hulst 1980, vol. 2), solved for the single-scattering albedo.
@@ -9,7 +9,7 @@ use super::sampler::Set;
 use super::shadow::NEAR;
 use super::surface::Surface;
 use super::trace::{Path, PathTracer};
-use crate::kernel::bsdf::frame::{Frame, cosine_hemisphere};
+use crate::kernel::bsdf::frame::Frame;
 use crate::kernel::bsdf::{Event, Lobe, LobeKind, LobeSet};
 use crate::kernel::traverse::intersect_object_at;
 use crate::math::sobol::Pcg;
@@ -35,17 +35,17 @@ impl PathTracer<'_> {
         let mut rng = Pcg::new(path.sampler.stream(path.step) ^ 0x2545_f491);
         let g = s.anisotropy;
         let albedo = s.albedo.map(|a| single_scattering(a, g));
-        // Mean free paths are those of isotropic scattering; channels that do not walk have weight 0. The 4π was fitted to one of Cycles'
-        // pictures (04_principled_lobes), not derived: docs/path.md says what remains.
+        // Mean free paths are those of isotropic scattering; channels that do not walk have weight 0. Source: Cycles divides the radius of
+        // this method by 4π so that it looks like its older profiles.
         let extinction = s.radius.map(|r| 4.0 * std::f32::consts::PI / r.max(1e-6)) / (1.0 - g);
         let mut throughput = Vec3::new(
             if s.albedo.x > 0.0 { s.weight.x / s.albedo.x } else { 0.0 },
             if s.albedo.y > 0.0 { s.weight.y / s.albedo.y } else { 0.0 },
             if s.albedo.z > 0.0 { s.weight.z / s.albedo.z } else { 0.0 },
         );
-        let [_, u, v, _] = path.sampler.at(path.step, Set::Choice);
-        let inward = Frame::about(-s.normal);
-        let mut dir = inward.to_world(cosine_hemisphere(u, v)).as_dvec3();
+        // Light of the viewer's direction goes straight in. Source: Cycles' walk in a half space gives more the flatter the view, whatever the
+        // roughness and the index (measured); drawn by the cosine it would give the same to all.
+        let mut dir = -surface.v.as_dvec3();
         if dir.dot(surface.flat) >= 0.0 {
             return false;
         }

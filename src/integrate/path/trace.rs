@@ -247,6 +247,8 @@ impl<'p> PathTracer<'p> {
             reflective: s.caustics_reflective || caustics,
             refractive: s.caustics_refractive || caustics,
             min_roughness: blur(s.filter_glossy, path.min_pdf),
+            // Light that goes below a surface would not be seen behind a diffuse one. Source: Cycles (measured).
+            below: !path.bounces.has_been_diffuse(),
         };
         let shading = match shader {
             Some(shader) => shade(shader.surface.as_ref(), &surface, view),

@@ -30,7 +30,8 @@ impl OrenNayar {
         let mean = a * (1.0 + (2.0 / 3.0 - 28.0 / (15.0 * PI)) * roughness);
         let color = color.clamp(Vec3::ZERO, Vec3::ONE);
         let e = single_albedo(cos_v, roughness, a);
-        let multi = color * mean / (Vec3::ONE - color * (1.0 - mean)) * ((1.0 - e).max(0.0) / (1.0 - mean).max(1e-7));
+        // The colour once more than the energy asks for, as Cycles has it (measured); white stays white.
+        let multi = color * color * mean / (Vec3::ONE - color * (1.0 - mean)) * ((1.0 - e).max(0.0) / (1.0 - mean).max(1e-7));
         Self { a, roughness, multi }
     }
 
