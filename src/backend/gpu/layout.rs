@@ -222,7 +222,7 @@ shared! {
         exposure: f32,
         materials_at: u32,
         mirror_at: u32,
-        waves_at: u32,
+        spare: u32,
         lamps_at: u32,
         n_lamps: u32,
         suns_at: u32,

@@ -1,7 +1,7 @@
 //! Interference in a thin film on a dielectric, as the three channels see it.
 //!
 //! Airy's sum as a series over the bounces in the film; the sensitivities of the eye are Gaussians in the wave number, so that each bounce has a
-//! closed form (Belcour and Barla 2017, with their fit of the CIE 1931 curves). Three bounces and white balanced to D65, as Cycles: equal to
+//! closed form (Belcour and Barla 2017, with their fit of the CIE 1931 curves). Three bounces, white balanced to D65, as Cycles: equal to
 //! what it measures within 1e-5 (the tests' numbers).
 
 use crate::math::{Rgb, Vec3};

@@ -13,7 +13,6 @@ use crate::accel::AccelKind;
 use crate::backend::BackendError;
 use crate::compile::CompiledScene;
 use crate::integrate::path::PathPlan;
-use crate::kernel::bsdf::thin_film::waves;
 use crate::math::Bounds;
 use crate::math::sobol::direction_table;
 use crate::scene::Projection;
@@ -48,10 +47,6 @@ impl PathBuffers {
         p.mirror_at = tables.fill(&mut e.words);
         encode_lights(plan, &mut e, &mut p);
         p.filter_at = append(&mut e.words, plan.filter.offsets().iter().map(|v| v.to_bits()));
-        if e.features.contains("thin_film") {
-            let list = waves().iter().flat_map(|(nm, c)| [*nm, c.x, c.y, c.z]).map(f32::to_bits);
-            p.waves_at = append(&mut e.words, list);
-        }
         let mut objects = HashMap::new();
         if e.features.contains("anisotropic") {
             for (k, prim) in scene.geometry.prims.iter().enumerate() {
@@ -152,7 +147,6 @@ fn name_constants(o: &mut ShaderOptions, room: Room, nodes_at: u32) {
         ("CLOSURE_STACK", room.stack.max(1)),
         ("MAX_CLOSURES", room.closures.max(1)),
         ("NODES_AT", nodes_at),
-        ("FILM_WAVES", waves().len() as u32),
         ("SEES_ALL", 255),
         ("FACE_MATERIAL", face_bits::MATERIAL),
         ("FACE_SMOOTH", face_bits::SMOOTH),
