@@ -147,6 +147,11 @@ fn plain_emission(c: &Closure) -> Option<[Rgb; 2]> {
     }
 }
 
+/// The roughness that tables are asked for: with stretched lobes, whose widths end at 1, it may be any below the material's.
+fn any_where<'s>(anisotropy: &'s Scalar, roughness: &'s Scalar) -> Option<&'s Scalar> {
+    is_zero(anisotropy).then_some(roughness)
+}
+
 fn is_zero(s: &Scalar) -> bool {
     s.as_constant() == Some(0.0)
 }
@@ -255,7 +260,7 @@ impl Steps<'_> {
                 }
                 let multi = *distribution == Distribution::MultiGgx;
                 if multi {
-                    self.tables.mirror(roughness);
+                    self.tables.mirror(any_where(anisotropy, roughness));
                 }
                 let normal = self.e.normal(normal.as_deref())?;
                 let (a, r) = (self.e.scalar(anisotropy)?, self.e.scalar(rotation)?);
@@ -291,7 +296,7 @@ impl Steps<'_> {
         let ior = self.constant(ior, "pictures as indices of refraction")?.max(1e-5);
         let tables = match d {
             Distribution::Ggx => [0, 0],
-            Distribution::MultiGgx => [ior, 1.0 / ior].map(|eta| self.tables.glass(eta, roughness, &mut self.e.words)),
+            Distribution::MultiGgx => [ior, 1.0 / ior].map(|eta| self.tables.glass(eta, Some(roughness), &mut self.e.words)),
         };
         Ok([ior.to_bits(), tables[0], tables[1]])
     }
@@ -345,11 +350,16 @@ impl Steps<'_> {
         let mut table = 0;
         if has_facets {
             self.need("microfacets");
-            table = self.tables.dielectric(eta, &p.roughness, &mut self.e.words);
-            self.tables.mirror(&p.roughness);
+            let roughness = any_where(&p.anisotropic, &p.roughness);
+            table = self.tables.dielectric(eta, roughness, &mut self.e.words);
+            self.tables.mirror(roughness);
+        }
+        if !is_zero(&p.coat_weight) {
+            self.tables.mirror(Some(&p.coat_roughness));
         }
         let coat_ior = self.constant(&p.coat_ior, "pictures as indices of refraction")?.max(1.0);
-        let coat_table = if is_zero(&p.coat_weight) { 0 } else { self.tables.dielectric(coat_ior, &p.coat_roughness, &mut self.e.words) };
+        let coat_table =
+            if is_zero(&p.coat_weight) { 0 } else { self.tables.dielectric(coat_ior, Some(&p.coat_roughness), &mut self.e.words) };
         let glass = if is_zero(&p.transmission_weight) { [0; 3] } else { self.glass_words(p.distribution, &p.ior, &p.roughness)? };
         let multi = u32::from(p.distribution == Distribution::MultiGgx);
         let normal = self.e.normal(p.normal.as_deref())?;

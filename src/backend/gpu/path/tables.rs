@@ -31,30 +31,30 @@ impl AlbedoTables {
         Self { is_raised, ..Self::default() }
     }
 
-    /// Rows between which a roughness lies.
-    fn rows(&self, roughness: &Scalar) -> std::ops::RangeInclusive<usize> {
+    /// Rows between which a roughness lies; all of them for one that is not known.
+    fn rows(&self, roughness: Option<&Scalar>) -> std::ops::RangeInclusive<usize> {
         let steps = (TABLE_SIDE - 1) as f32;
-        let Some(r) = roughness.as_constant() else { return 0..=TABLE_SIDE - 1 };
+        let Some(r) = roughness.and_then(Scalar::as_constant) else { return 0..=TABLE_SIDE - 1 };
         let low = ((r.clamp(0.0, 1.0) * steps) as usize).min(TABLE_SIDE - 2);
         low..=if self.is_raised { (low + 1).max(TABLE_SIDE / 2 + 1) } else { low + 1 }
     }
 
     /// The table of mirrors will be looked at for a roughness.
-    pub fn mirror(&mut self, roughness: &Scalar) {
+    pub fn mirror(&mut self, roughness: Option<&Scalar>) {
         self.mirror_rows.extend(self.rows(roughness));
     }
 
     /// Place of `dielectric_mix` of an index.
-    pub fn dielectric(&mut self, eta: f32, roughness: &Scalar, words: &mut Vec<u32>) -> u32 {
+    pub fn dielectric(&mut self, eta: f32, roughness: Option<&Scalar>, words: &mut Vec<u32>) -> u32 {
         self.place(Kind::Dielectric, eta, roughness, words)
     }
 
     /// Place of `glass` of an index.
-    pub fn glass(&mut self, eta: f32, roughness: &Scalar, words: &mut Vec<u32>) -> u32 {
+    pub fn glass(&mut self, eta: f32, roughness: Option<&Scalar>, words: &mut Vec<u32>) -> u32 {
         self.place(Kind::Glass, eta, roughness, words)
     }
 
-    fn place(&mut self, kind: Kind, eta: f32, roughness: &Scalar, words: &mut Vec<u32>) -> u32 {
+    fn place(&mut self, kind: Kind, eta: f32, roughness: Option<&Scalar>, words: &mut Vec<u32>) -> u32 {
         let rows = self.rows(roughness);
         let entry = self.places.entry((kind, eta.to_bits()));
         let (at, wanted) = entry.or_insert_with(|| (append(words, [0; TABLE_SIDE * TABLE_SIDE]), BTreeSet::new()));
