@@ -1,10 +1,9 @@
 //! Closed meshes do not leak: every ray from inside meets a face, as the kernel tests them.
 
 use rayloom::accel::AccelKind;
+use rayloom::bench::stability::leaks::meets_face;
 use rayloom::bench::stability::meshes::{FAR_AWAY, Triangles, ball, tetrahedron};
 use rayloom::compile::shape::MeshShape;
-use rayloom::kernel::intersect::mesh::intersect_mesh;
-use rayloom::kernel::intersect::{HitSink, LocalRay, Part};
 use rayloom::math::DVec3;
 use rayloom::math::random::SplitMix64;
 use rayloom::scene::Mesh;
@@ -12,24 +11,6 @@ use std::sync::Arc;
 
 /// Rays of each kind: random, at vertices, at edges.
 const N_RAYS: usize = 700_000;
-
-struct Nearest(f64);
-
-impl HitSink for Nearest {
-    fn push(&mut self, t: f64, _: Part) {
-        self.0 = self.0.min(t);
-    }
-
-    fn far(&self) -> f64 {
-        self.0
-    }
-}
-
-fn is_hit(shape: &MeshShape, origin: DVec3, to: DVec3) -> bool {
-    let mut sink = Nearest(f64::INFINITY);
-    intersect_mesh(shape, &LocalRay { origin, dir: to.normalize(), scale: 1.0 }, &mut sink);
-    sink.0 < f64::INFINITY
-}
 
 /// Rays out of `mesh` that meet nothing; `near` is how far from the middle they may start.
 fn leaks(mesh: &Triangles, kind: AccelKind, middle: DVec3, near: f64) -> [usize; 3] {
@@ -44,7 +25,7 @@ fn leaks(mesh: &Triangles, kind: AccelKind, middle: DVec3, near: f64) -> [usize;
         let [a, b, _] = mesh.corners(r.below(mesh.faces.len()));
         let targets = [from + r.direction(), a, a + r.unit() * (b - a)];
         for (lost, to) in lost.iter_mut().zip(targets) {
-            *lost += usize::from(!is_hit(&shape, from, to - from));
+            *lost += usize::from(!meets_face(&shape, from, (to - from).normalize()));
         }
     }
     lost

@@ -47,6 +47,13 @@ impl HitSink for Nearest {
     }
 }
 
+/// Whether a ray (`dir` unit, in the mesh's space) meets a face, as the kernel tests them.
+pub fn meets_face(shape: &MeshShape, origin: DVec3, dir: DVec3) -> bool {
+    let mut sink = Nearest(f64::INFINITY);
+    intersect_mesh(shape, &LocalRay { origin, dir, scale: 1.0 }, &mut sink);
+    sink.0 < f64::INFINITY
+}
+
 impl Closed {
     /// Start and direction.
     fn ray(&self, r: &mut SplitMix64, aim: Aim) -> (DVec3, DVec3) {
@@ -75,9 +82,7 @@ impl Closed {
             let n = report.rays(share);
             let lost = total(n, 1, |r| {
                 let (origin, dir) = self.ray(r, aim);
-                let mut sink = Nearest(f64::INFINITY);
-                intersect_mesh(shape, &LocalRay { origin, dir, scale: 1.0 }, &mut sink);
-                u64::from(sink.0 == f64::INFINITY)
+                u64::from(!meets_face(shape, origin, dir))
             });
             report.cpu(what(kind), lost as f64, 0.0, n);
             #[cfg(feature = "gpu")]

@@ -2,7 +2,7 @@
 //! The cases are those that FACTS of the field name: leaks, far and tiny scenes, grazing roots, coincident faces, numbers that are none.
 
 mod figures;
-mod leaks;
+pub mod leaks;
 pub mod meshes;
 pub mod oracle;
 mod pictures;

@@ -3,7 +3,7 @@
 
 use super::closure::{Builder, CUTOFF, mean};
 use crate::kernel::bsdf::frame::Frame;
-use crate::kernel::bsdf::fresnel::{Fresnel, eta_of, f0_of, f82_dip};
+use crate::kernel::bsdf::fresnel::{Fresnel, f0_of, f82_dip, highlight_of};
 use crate::kernel::bsdf::ggx::Ggx;
 use crate::kernel::bsdf::hair::{Hair, HairParams, sigma_of_melanin, sigma_of_reflectance};
 use crate::kernel::bsdf::microfacet::Microfacet;
@@ -142,14 +142,7 @@ impl Builder<'_, '_> {
     fn specular(&mut self, p: &PrincipledClosure, weight: Rgb, tint: Rgb, roughness: f32, ior: f32, n: Vec3, is_bent: bool) -> Rgb {
         let s = self.surface;
         let level = s.scalar(&p.specular_ior_level).max(0.0);
-        let (mut eta, mut f0) = (ior, f0_of(ior));
-        if level != 0.5 {
-            f0 *= 2.0 * level;
-            eta = eta_of(f0);
-            if ior < 1.0 {
-                eta = 1.0 / eta;
-            }
-        }
+        let (eta, f0) = highlight_of(ior, level);
         if f0 <= 0.0 && eta == 1.0 {
             return weight;
         }

@@ -32,6 +32,16 @@ pub fn eta_of(f0: f32) -> f32 {
     (1.0 + s) / (1.0 - s)
 }
 
+/// Index and reflectance along the normal of a Principled highlight: its index, with the reflectance times twice `level` (Cycles' "IOR level").
+pub fn highlight_of(ior: f32, level: f32) -> (f32, f32) {
+    if level == 0.5 {
+        return (ior, f0_of(ior));
+    }
+    let f0 = f0_of(ior) * (2.0 * level);
+    let eta = eta_of(f0);
+    (if ior < 1.0 { 1.0 / eta } else { eta }, f0)
+}
+
 /// 2 times the integral of F(cos) cos over 0..1: what a dielectric reflects of light from everywhere.
 pub fn dielectric_average(eta: f32) -> f32 {
     const N: usize = 64;

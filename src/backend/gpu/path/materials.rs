@@ -6,7 +6,7 @@ use super::inputs::{Encoder, refused};
 use super::tables::AlbedoTables;
 use crate::backend::BackendError;
 use crate::kernel::bsdf::albedo::dielectric_mean;
-use crate::kernel::bsdf::fresnel::{eta_of, f0_of};
+use crate::kernel::bsdf::fresnel::highlight_of;
 use crate::math::{Rgb, Vec3};
 use crate::scene::input::Scalar;
 use crate::scene::shader::{Closure, Distribution, MixFactor, PrincipledClosure, Shader};
@@ -332,15 +332,7 @@ impl Steps<'_> {
         }
         let ior = self.constant(&p.ior, "pictures as indices of refraction")?.max(1e-5);
         let level = self.constant(&p.specular_ior_level, "pictures as specular levels")?.max(0.0);
-        // As `Builder::specular` has it.
-        let (mut eta, mut f0) = (ior, f0_of(ior));
-        if level != 0.5 {
-            f0 *= 2.0 * level;
-            eta = eta_of(f0);
-            if ior < 1.0 {
-                eta = 1.0 / eta;
-            }
-        }
+        let (eta, f0) = highlight_of(ior, level);
         let has_highlight = f0 > 0.0 || eta != 1.0;
         if has_highlight {
             self.need("specular");
