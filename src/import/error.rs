@@ -106,6 +106,9 @@ pub enum ImportError {
         /// The limit.
         limit: usize,
     },
+    /// Few bytes of the file ask for more memory than there is.
+    #[error(transparent)]
+    Memory(#[from] crate::memory::OutOfMemory),
     /// More of something than the reader accepts.
     #[error("'{}' has more than {limit} {what}", path.display())]
     TooMany {

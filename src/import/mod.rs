@@ -14,6 +14,7 @@ pub use error::ImportError;
 
 use crate::diag::Sink;
 use crate::math::Vec3;
+use crate::memory::MemoryLimit;
 use crate::scene::{Principled, Scene};
 use std::path::Path;
 
@@ -25,11 +26,13 @@ pub struct ImportOptions {
     /// Luminous units in a radiant one: lamps are divided by it. `None`: 683 lm/W for files that Blender wrote (its exporter
     /// multiplies lamps, and lamps alone, by that), 1 for all others (their lamps and emission have one unit).
     pub lumens_per_watt: Option<f64>,
+    /// What the scene's objects may take.
+    pub memory: MemoryLimit,
 }
 
 impl Default for ImportOptions {
     fn default() -> Self {
-        Self { aspect: 4.0 / 3.0, lumens_per_watt: None }
+        Self { aspect: 4.0 / 3.0, lumens_per_watt: None, memory: MemoryLimit::of_machine() }
     }
 }
 

@@ -47,7 +47,7 @@ pub(super) fn load(job: &Job, map: &mut SourceMap, sink: &mut Sink, listener: &d
     match source.format {
         SceneFormat::Model => {
             let aspect = f64::from(job.render.width) / f64::from(job.render.height);
-            Ok(crate::import::load(&source.path, &ImportOptions { aspect, ..ImportOptions::default() }, sink)?)
+            Ok(crate::import::load(&source.path, &ImportOptions { aspect, memory: source.lang.memory, ..ImportOptions::default() }, sink)?)
         }
         SceneFormat::Pov => parse(source, map, sink, &mut |stream, t| listener.text(stream, t)),
     }

@@ -196,6 +196,31 @@ def case_instances_modifiers_and_collections():
     assert len(document["meshes"]) == 2, "instances share their mesh"
 
 
+def case_crowds_are_one_node():
+    """Many instances of an object are one node, each where its own node would be; a sheared one is a node by itself."""
+    scene = new_scene((96, 48))
+    source = wall("Source", -0.1, 0.1, -0.1, 0.1, material=emission("White", (1, 1, 1)))
+    places = [(x * 0.3 - 1.05, 0, z * 0.3 - 0.45) for x in range(8) for z in range(4)]
+    mesh = bpy.data.meshes.new("Places")
+    mesh.from_pydata(places, [], [])
+    parent = bpy.data.objects.new("Parent", mesh)
+    scene.collection.objects.link(parent)
+    source.parent, parent.instance_type = parent, "VERTS"
+    parent.scale, source.rotation_euler = (1.2, 1, 1), (0, 0.4, 0)
+    sheared = render("sheared")
+    export = module("exporting").export_scene
+    document = export(os.path.join(FOLDER, "sheared.glb"), scene).gltf.document
+    assert len(document["nodes"]) == 34 and "EXT_mesh_gpu_instancing" not in document["extensionsUsed"], "shear stays in nodes"
+    source.rotation_euler = (0, 0, 0)
+    crowd = render("crowd")
+    document = export(os.path.join(FOLDER, "crowd.glb"), scene).gltf.document
+    assert len(document["nodes"]) == 3, "root, camera, crowd"
+    module("bridge.crowd").FROM = 1000
+    assert len(export(os.path.join(FOLDER, "nodes.glb"), scene).gltf.document["nodes"]) == 34
+    assert np.abs(render("nodes") - crowd).max() < 1e-5, "both ways show one picture"
+    assert crowd[..., 0].mean() > 0.05 and np.abs(crowd - sheared).max() > 0.5
+
+
 def case_animation_keeps_buffers():
     """Three frames differ; the mesh that does not change is written once."""
     scene = new_scene()

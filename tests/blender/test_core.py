@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "addons"))
 
-from rayloom_blender.core import bake, corners, evaluate, exr, glb, lower, passes, pictures, process  # noqa: E402
+from rayloom_blender.core import bake, corners, decompose, evaluate, exr, glb, lower, passes, pictures, process  # noqa: E402
 
 
 def read_glb(path):
@@ -80,6 +80,29 @@ class Corners(unittest.TestCase):
         self.assertEqual(len(source_vertex), 5)
         np.testing.assert_array_equal(source_vertex[index], vertex)
         np.testing.assert_array_equal(value[source_corner][index], value)
+
+
+class Decomposition(unittest.TestCase):
+    def test_turned_stretched_and_mirrored_matrices_come_apart(self):
+        rng = np.random.default_rng(3)
+        q = rng.normal(size=(200, 4))
+        q /= np.linalg.norm(q, axis=1, keepdims=True)
+        q[:4] = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+        scale = rng.uniform(0.1, 3.0, (200, 3)) * np.where(rng.random(200) < 0.5, -1.0, 1.0)[:, None]
+        m = np.tile(np.eye(4), (200, 1, 1))
+        m[:, :3, :3] = decompose._rotations(q) * scale[:, None, :]
+        m[:, :3, 3] = rng.normal(size=(200, 3))
+        translation, rotation, parts, fits = decompose.trs_of(m)
+        self.assertTrue(fits.all())
+        again = decompose._rotations(rotation.astype(float)) * parts.astype(float)[:, None, :]
+        self.assertLess(np.abs(again - m[:, :3, :3]).max(), 2e-6)
+        self.assertLess(np.abs(translation - m[:, :3, 3]).max(), 1e-6)
+
+    def test_sheared_flat_and_broken_matrices_are_told(self):
+        m = np.tile(np.eye(4), (4, 1, 1))
+        m[1, 0, 1], m[2, 2, 2], m[3, 0, 3] = 0.01, 0.0, np.nan
+        with np.errstate(all="ignore"):
+            self.assertEqual(decompose.trs_of(m)[3].tolist(), [True, False, False, False])
 
 
 class Pictures(unittest.TestCase):

@@ -279,3 +279,59 @@ fn morph_weights_move_vertices() {
     assert_eq!(mesh(&s, 0).vertices[0], Vec3::new(0.0, 0.0, 2.0));
     assert_eq!(mesh(&s, 1).vertices[0], Vec3::ZERO);
 }
+
+/// A file whose node 0 shows a square as the attributes say.
+fn instanced(d: &mut Data, attributes: &str) -> Vec<u8> {
+    let (p, i) = (d.floats("VEC3", 3, &SQUARE), d.indices(&[0, 1, 2, 0, 2, 3]));
+    d.glb(&format!(
+        r#","meshes":[{{"primitives":[{{"attributes":{{"POSITION":{p}}},"indices":{i}}}]}}],"extensionsRequired":["EXT_mesh_gpu_instancing"],
+        "nodes":[{{"mesh":0,"translation":[0,0,5],"extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{{attributes}}}}}}}}}]"#
+    ))
+}
+
+#[test]
+fn gpu_instances_stand_inside_their_node_and_share_its_mesh() {
+    let mut d = Data::default();
+    let places = d.floats("VEC3", 3, &[1., 0., 0., 0., 2., 0.]);
+    let scales = d.floats("VEC3", 3, &[1., 1., 1., 3., 3., 3.]);
+    let one = d.floats("VEC3", 3, &[1., 1., 1.]);
+    let wild = d.floats("VEC3", 3, &[1., 0., 0., f32::NAN, 2., 0.]);
+    // A quarter turn about z in 16 and in 8 bits; zeros are no turn.
+    let half = (0.5f64.sqrt() * 32767.0).round() as i16;
+    let shorts: Vec<u8> = [0, 0, half, half, 0, 0, 0, 0].iter().flat_map(|v: &i16| v.to_le_bytes()).collect();
+    let shorts = d.add(&shorts, 5122, "VEC4", 2, r#","normalized":true"#);
+    let bytes = d.add(&[0, 0, 90, 90, 0, 0, 0, 127], 5120, "VEC4", 2, r#","normalized":true"#);
+    let huge = d.add_bare(r#"{"componentType":5126,"type":"VEC3","count":4000000000}"#);
+    let mut file = |attributes: &str| instanced(&mut d, attributes);
+    let f = Folder::new()
+        .with("a.glb", file(&format!(r#""TRANSLATION":{places},"SCALE":{scales},"_ID":{places}"#)))
+        .with("shorts.glb", file(&format!(r#""ROTATION":{shorts},"TRANSLATION":{places}"#)))
+        .with("bytes.glb", file(&format!(r#""ROTATION":{bytes}"#)))
+        .with("odd.glb", file(&format!(r#""TRANSLATION":{places},"SCALE":{one}"#)))
+        .with("wild.glb", file(&format!(r#""TRANSLATION":{wild}"#)))
+        .with("huge.glb", file(&format!(r#""TRANSLATION":{huge}"#)))
+        .with("beyond.glb", file(r#""TRANSLATION":999"#))
+        .with("flat.glb", file(&format!(r#""ROTATION":{places}"#)))
+        .with("none.glb", file(""));
+    let (s, said) = f.load("a.glb");
+    let s = s.expect("loads");
+    assert_eq!(said.iter().filter(|m| m.contains("_ID")).count(), 1, "{said:?}");
+    assert_eq!(s.objects.len(), 2);
+    assert!(Arc::ptr_eq(mesh(&s, 0), mesh(&s, 1)));
+    near(s.objects[0].transform.point(DVec3::X), DVec3::new(2.0, 0.0, 5.0));
+    near(s.objects[1].transform.point(DVec3::X), DVec3::new(3.0, 2.0, 5.0));
+    let s = f.scene("shorts.glb");
+    near(s.objects[0].transform.point(DVec3::X), DVec3::new(1.0, 1.0, 5.0));
+    near(s.objects[1].transform.point(DVec3::X), DVec3::new(1.0, 2.0, 5.0));
+    near(f.scene("bytes.glb").objects[0].transform.point(DVec3::X), DVec3::new(0.0, 1.0, 5.0));
+    for (name, what) in [
+        ("odd.glb", "[2, 1]"),
+        ("wild.glb", "instance 1 is not finite"),
+        ("huge.glb", "without bytes behind them"),
+        ("beyond.glb", "accessor 999"),
+        ("flat.glb", "ROTATION needs [4] numbers"),
+        ("none.glb", "neither TRANSLATION"),
+    ] {
+        assert!(f.error(name).contains(what), "{name}: {}", f.error(name));
+    }
+}

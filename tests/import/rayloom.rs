@@ -297,3 +297,33 @@ fn the_extension_may_be_required_and_others_may_not() {
     assert!(Folder::new().with("a.glb", with("RAYLOOM_scene")).load("a.glb").0.is_ok());
     assert!(Folder::new().with("a.glb", with("KHR_draco_mesh_compression")).error("a.glb").contains("KHR_draco_mesh_compression"));
 }
+
+#[test]
+fn instances_share_what_their_node_says_and_move_each_for_itself() {
+    let mut d = Data::default();
+    let (p, i) = (d.floats("VEC3", 3, &SQUARE), d.indices(&[0, 1, 2, 0, 2, 3]));
+    let places = d.floats("VEC3", 3, &[1., 0., 0., 0., 2., 0.]);
+    let moved = |x: f32, y: f32| [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., x, y, 0., 1.];
+    let keys: Vec<f32> = [moved(0.5, 0.0), moved(1.5, 0.0), moved(0.0, 2.0), moved(0.0, 2.5)].concat();
+    let (all, few) = (d.floats("MAT4", 16, &keys), d.floats("MAT4", 16, &keys[..32]));
+    let of = |matrices: usize| {
+        let node = format!(
+            r#"{{"mesh":0,"name":"Leaf","extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{"TRANSLATION":{places},"_RANDOM":{p}}}}},
+            "RAYLOOM_scene":{{"passIndex":7,"visibility":{{"camera":false}},"motion":{{"times":[-0.25,0.25],"matrices":{matrices}}}}}}}}}"#
+        );
+        let meshes = format!(r#","meshes":[{{"primitives":[{{"attributes":{{"POSITION":{p}}},"indices":{i}}}]}}]"#);
+        file(&d, &[node], r#","render":{"resolution":[4,2],"motionBlur":{"shutter":0.5}}"#, &meshes)
+    };
+    let f = Folder::new().with("a.glb", of(all)).with("few.glb", of(few));
+    let (s, said) = f.load("a.glb");
+    let s = s.expect("loads");
+    assert!(!said.iter().any(|m| m.contains("_RANDOM")), "the exporter's own attribute is not told: {said:?}");
+    assert_eq!(s.objects.len(), 2);
+    for o in &s.objects {
+        assert_eq!((o.traits.object_id, &*o.traits.name, o.traits.motion.len()), (7, "Leaf", 2));
+        assert!(!o.traits.visibility.has(Visibility::CAMERA));
+    }
+    assert_eq!(s.objects[0].traits.motion[1].point(DVec3::ZERO), DVec3::new(1.5, 0.0, 0.0));
+    assert_eq!(s.objects[1].traits.motion[1].point(DVec3::ZERO), DVec3::new(0.0, 2.5, 0.0));
+    assert!(f.error("few.glb").contains("2 matrices for 2 times of 2 instances"), "{}", f.error("few.glb"));
+}

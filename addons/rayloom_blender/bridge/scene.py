@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A depsgraph → one file. The order: world, then everything that is shown, then where it is at the other moments of the shutter."""
+"""A depsgraph → one file. The order: world, then everything that is shown, crowds of instances, then where it is at the other moments of the shutter."""
 
 import numpy as np
 
 from ..core.glb import Gltf
 from ..core.schema import NAME, VERSION
-from . import hair, instance, light, material, mesh
+from . import crowd, hair, instance, light, material, mesh
 from .camera import camera_record
 from .image import Images
 from .settings import render_record
@@ -37,7 +37,8 @@ class Exporter:
         self.gltf = Gltf(generator, keep)
         self.images = Images(self.gltf)
         self.lights, self.curves, self.grids = [], [], []
-        self.nodes = []  # (node index, key), for motion
+        self.nodes = []  # (node index, keys of what it shows or None), for motion
+        self._crowds, self._known = {}, {}
         self._meshes, self._materials, self._lights, self._curves = {}, {}, {}, {}
         self._atlases = {}  # by the keys of materials that were baked over faces
         self._deforming = {}
@@ -59,6 +60,8 @@ class Exporter:
                 self._place(shown)
             except (ValueError, TypeError, AttributeError, RuntimeError) as e:
                 self.log(f"Object '{shown.obj.name}'", f"it could not be exported: {e}")
+        for made in self._crowds.values():
+            self._place_crowd(made)
         self._camera()
         if self.scene.render.use_motion_blur and frame_set is not None:
             self._motion(frame_set)
@@ -77,16 +80,32 @@ class Exporter:
         return path
 
     def _node(self, shown, record, extension):
-        own = instance.switches(shown.obj, self.view_layer)
-        own.update(extension)
-        record = {"name": shown.obj.name, "matrix": instance.column_major(shown.matrix), **record}
-        if shown.key[3]:
-            own["random"] = shown.random
+        own = {**instance.switches(shown.obj, self.view_layer), **extension}
+        return self._append_node(shown.obj.name, shown.key, shown.matrix, shown.random, record, own)
+
+    def _append_node(self, name, key, matrix, random, record, own):
+        record = {"name": name, "matrix": instance.column_major(matrix), **record}
+        if key[3]:
+            own = {**own, "random": random}
         if own:
-            record.setdefault("extensions", {})[NAME] = own
+            record = {**record, "extensions": {**record.get("extensions", {}), NAME: own}}
         ix = self.gltf.append("nodes", record)
-        self.nodes.append((ix, shown.key))
+        self.nodes.append((ix, [key]))
         return ix
+
+    def _place_crowd(self, made):
+        """Instances as one node, but for those whose matrix only a node can hold."""
+        kept, attributes, others = crowd.split(made)
+        for k in others:
+            self._append_node(made.name, made.keys[k], made.matrices[k], made.randoms[k], {"mesh": made.mesh}, made.switches)
+        if not kept:
+            return
+        self.gltf.use_extension(crowd.NAME)
+        extensions = {crowd.NAME: {"attributes": {name: self.gltf.accessor(array) for name, array in attributes.items()}}}
+        if made.switches:
+            extensions[NAME] = made.switches
+        ix = self.gltf.append("nodes", {"name": made.name, "mesh": made.mesh, "extensions": extensions})
+        self.nodes.append((ix, [made.keys[k] for k in kept]))
 
     def _place(self, shown):
         obj = shown.obj
@@ -102,24 +121,44 @@ class Exporter:
 
     def _place_mesh(self, shown):
         obj = shown.obj
-        slots = tuple(s.material.original.name_full if s.material else None for s in obj.material_slots)
         own = obj.type == "MESH" and obj.data is not None
+        known = None
+        if shown.key[3] and own:
+            # Instances of one object that show one mesh differ in nothing but their place.
+            known = (shown.key[1:3], obj.data.as_pointer())
+            if known in self._known:
+                if self._known[known] is not None:
+                    self._known[known].add(shown)
+                return
+        made = self._made_mesh(obj, own, shown.matrix)
+        hairy = [(k, m) for k, m in enumerate(m for m in obj.modifiers if m.type == "PARTICLE_SYSTEM") if _shows_hair(m)]
+        for k, modifier in hairy:
+            self._place_particle_hair(shown, modifier, k)
+        if known is None or hairy:
+            if made is not None:
+                self._node(shown, {"mesh": made}, {})
+            return
+        self._known[known] = None
+        if made is not None:
+            switches = instance.switches(obj, self.view_layer)
+            group = (made, obj.name, repr(switches))
+            self._known[known] = self._crowds.setdefault(group, crowd.Crowd(made, obj.name, switches))
+            self._known[known].add(shown)
+
+    def _made_mesh(self, obj, own, matrix):
+        """Index of an object's mesh, or `None`. `own`: the mesh is the object's data, not made of it."""
+        slots = tuple(s.material.original.name_full if s.material else None for s in obj.material_slots)
         key = (obj.data.as_pointer() if own else obj.original.as_pointer(), slots)
         if key not in self._meshes:
             self._meshes[key] = None
             data = obj.data if own else obj.to_mesh()
             try:
                 if data is not None:
-                    self._meshes[key] = self._mesh(obj, data, shown.matrix)
+                    self._meshes[key] = self._mesh(obj, data, matrix)
             finally:
                 if not own:
                     obj.to_mesh_clear()
-        made = self._meshes[key]
-        if made is not None:
-            self._node(shown, {"mesh": made}, {})
-        for k, modifier in enumerate(m for m in obj.modifiers if m.type == "PARTICLE_SYSTEM"):
-            if modifier.particle_system.settings.type == "HAIR" and modifier.particle_system.settings.render_type == "PATH":
-                self._place_particle_hair(shown, modifier, k)
+        return self._meshes[key]
 
     def _mesh(self, obj, data, matrix):
         baked = []
@@ -213,7 +252,7 @@ class Exporter:
         ix = self.gltf.append("cameras", camera_record(evaluated.data, world, self.scene.render))
         record = {"name": camera.name, "camera": ix, "matrix": instance.column_major(world)}
         self._camera_node = self.gltf.append("nodes", record)
-        self.nodes.append((self._camera_node, "camera"))
+        self.nodes.append((self._camera_node, ["camera"]))
 
     def _motion(self, frame_set):
         """Matrices and deformed vertices at the shutter's open, middle and close."""
@@ -230,13 +269,14 @@ class Exporter:
             moments.append(self._places())
             vertices.append(self._vertices())
         frame_set(frame, 0.0)
-        for ix, key in self.nodes:
-            matrices = [m.get(key) for m in moments]
-            if key is None or any(m is None for m in matrices):
+        for ix, keys in self.nodes:
+            matrices = [[m.get(key) for m in moments] for key in keys or []]
+            # What is not there at each of the times has no place to move to.
+            if not matrices or any(m is None for steps in matrices for m in steps):
                 continue
-            if all(m == matrices[1] for m in matrices):
+            if all(m == steps[1] for steps in matrices for m in steps):
                 continue
-            array = np.array([instance.column_major(m) for m in matrices], np.float32)
+            array = np.array([instance.column_major(m) for steps in matrices for m in steps], np.float32)
             motion = {"times": times, "matrices": self.gltf.accessor(array)}
             render["nodes"][ix].setdefault("extensions", {}).setdefault(NAME, {})["motion"] = motion
         for name, (ix, source_vertex, _) in self._deforming.items():
@@ -262,6 +302,12 @@ class Exporter:
                 if len(shown.obj.data.vertices) == self._deforming[name][2]:
                     out[name] = mesh.positions_of(shown.obj.data)
         return out
+
+
+def _shows_hair(modifier):
+    """Whether a particle system renders its particles as hair."""
+    settings = modifier.particle_system.settings
+    return settings.type == "HAIR" and settings.render_type == "PATH"
 
 
 def _deforms(obj):

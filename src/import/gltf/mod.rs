@@ -4,6 +4,7 @@
 mod accessor;
 mod camera;
 mod container;
+mod instancing;
 mod light;
 mod material;
 mod mesh;
@@ -19,6 +20,7 @@ use std::path::Path;
 
 /// Extensions that a file may require.
 const SUPPORTED: &[&str] = &[
+    instancing::NAME,
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",

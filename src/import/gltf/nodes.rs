@@ -3,6 +3,7 @@
 use super::super::{ImportError, ImportOptions, Imported};
 use super::Document;
 use super::camera::camera;
+use super::instancing::instances;
 use super::light::{Units, light};
 use super::material::{Cover, covers};
 use super::mesh::{Budget, MAX_VERTICES, Wanted, triangles};
@@ -19,7 +20,7 @@ use std::sync::Arc;
 /// Deepest nesting of nodes. Rigs reach some tens; Blender's own limit of parents is lower.
 const MAX_DEPTH: usize = 1000;
 /// Most placed primitives: few nodes and few meshes of many primitives multiply.
-const MAX_INSTANCES: usize = 1 << 24;
+pub(super) const MAX_INSTANCES: usize = 1 << 24;
 
 /// A primitive ready to be placed: its triangles, shared by all nodes that show it.
 struct Part {
@@ -121,20 +122,32 @@ impl Builder<'_> {
 
     fn node(&mut self, ix: usize, node: &json::Node, world: &DAffine3) -> Result<(), ImportError> {
         let others = node.extensions.as_ref().map(|e| &e.others);
+        let instances = instances(self.doc, ix, node, self.sink)?;
+        let n_places = instances.as_ref().map_or(1, Vec::len);
         let traits = match (&self.extension, rayloom::part(others)) {
-            (Some(e), Some(value)) => e.node(ix, value, self.sink)?,
+            (Some(e), Some(value)) => e.node(ix, value, n_places, self.sink)?,
             _ => NodeTraits::default(),
         };
+        // Of the node itself; that of instances is theirs alone.
+        let motion: &[DAffine3] = if instances.is_none() { &traits.motion } else { &[] };
         if let Some(mesh) = node.mesh {
             if node.skin.is_some() {
                 self.sink.note_once("gltf: skins", None, "skins are left out; meshes stand in their bind pose");
             }
-            self.instance(ix, mesh.value(), node, world, &traits)?;
+            let parts = self.parts(mesh.value(), node.weights.as_deref())?;
+            let covered: Vec<_> = parts.iter().map(|p| (Shape::Mesh(p.mesh.clone()), self.covers[p.material].clone())).collect();
+            match &instances {
+                None => self.place(ix, node, &[*world], &traits, motion, &covered)?,
+                Some(own) => {
+                    let places: Vec<DAffine3> = own.iter().map(|m| *world * *m).collect();
+                    self.place(ix, node, &places, &traits, &traits.motion, &covered)?;
+                }
+            }
         }
         if let (Some(e), Some(k)) = (&mut self.extension, traits.curves) {
             let (curves, material) = e.curves(k, self.sink)?;
             let cover = &self.covers[material.unwrap_or(self.covers.len() - 1)];
-            self.place(ix, node, world, &traits, [(Shape::Curves(curves), cover.clone())])?;
+            self.place(ix, node, &[*world], &traits, motion, &[(Shape::Curves(curves), cover.clone())])?;
         }
         if let (Some(e), Some(k)) = (&self.extension, traits.light) {
             self.scene.lights.extend(e.light(k, world, traits.visibility, self.sink)?);
@@ -142,12 +155,12 @@ impl Builder<'_> {
             self.scene.lights.push(light(self.doc, l.light.value(), world, self.units)?);
         }
         if let Some(c) = node.camera {
-            self.camera(ix, c.value(), world, &traits)?;
+            self.camera(ix, c.value(), world, motion)?;
         }
         Ok(())
     }
 
-    fn camera(&mut self, node: usize, ix: usize, world: &DAffine3, traits: &NodeTraits) -> Result<(), ImportError> {
+    fn camera(&mut self, node: usize, ix: usize, world: &DAffine3, motion: &[DAffine3]) -> Result<(), ImportError> {
         let active = self.extension.as_ref().and_then(|e| e.camera);
         if self.has_camera || active.is_some_and(|a| a != node) {
             if active.is_none() {
@@ -163,39 +176,29 @@ impl Builder<'_> {
             Some(camera) => camera,
             None => camera(self.doc, ix, world, self.options.aspect)?,
         };
-        self.scene.camera.motion = rayloom::camera_motion(&self.scene.camera, world, &traits.motion);
+        self.scene.camera.motion = rayloom::camera_motion(&self.scene.camera, world, motion);
         self.has_camera = true;
         Ok(())
     }
 
-    fn instance(
-        &mut self,
-        node_ix: usize,
-        mesh_ix: usize,
-        node: &json::Node,
-        world: &DAffine3,
-        traits: &NodeTraits,
-    ) -> Result<(), ImportError> {
-        let parts = self.parts(mesh_ix, node.weights.as_deref())?;
-        let covered: Vec<_> = parts.iter().map(|p| (Shape::Mesh(p.mesh.clone()), self.covers[p.material].clone())).collect();
-        self.place(node_ix, node, world, traits, covered)
-    }
-
-    /// Puts shapes where a node is.
+    /// Puts shapes where a node is, or its instances are; `motion` has as many matrices for each of the places, or none.
     fn place(
         &mut self,
         node_ix: usize,
         node: &json::Node,
-        world: &DAffine3,
+        places: &[DAffine3],
         traits: &NodeTraits,
-        shapes: impl IntoIterator<Item = (Shape, Cover)>,
+        motion: &[DAffine3],
+        shapes: &[(Shape, Cover)],
     ) -> Result<(), ImportError> {
-        let name = node.name.as_deref().unwrap_or("without a name");
-        let Some(transform) = Transform::from_affine(*world).filter(|_| world.matrix3.determinant() != 0.0) else {
-            let message = format!("node {node_ix} ({name}) is squeezed flat by its scale and left out");
-            self.sink.note_once("gltf: flat nodes", None, message);
-            return Ok(());
-        };
+        let n = places.len().saturating_mul(shapes.len());
+        if n > MAX_INSTANCES - self.scene.objects.len().min(MAX_INSTANCES) {
+            return Err(ImportError::TooMany { path: self.doc.path.to_owned(), what: "placed primitives", limit: MAX_INSTANCES });
+        }
+        if n > 1 {
+            // Few bytes of a file may place many.
+            self.options.memory.allows((n * size_of::<Object>()) as u64)?;
+        }
         let path_traits = PathTraits {
             visibility: traits.visibility,
             holdout: traits.holdout,
@@ -203,19 +206,25 @@ impl Builder<'_> {
             object_id: traits.pass_index,
             name: traits.object_name.as_deref().or(node.name.as_deref()).unwrap_or_default().into(),
             asset: traits.asset_name.as_deref().unwrap_or_default().into(),
-            motion: rayloom::object_motion(&traits.motion),
+            ..PathTraits::default()
         };
-        for (shape, cover) in shapes {
-            if self.scene.objects.len() >= MAX_INSTANCES {
-                return Err(ImportError::TooMany { path: self.doc.path.to_owned(), what: "placed primitives", limit: MAX_INSTANCES });
-            }
-            self.scene.objects.push(Object {
+        let n_steps = motion.len() / places.len().max(1);
+        for (k, world) in places.iter().enumerate() {
+            let Some(transform) = Transform::from_affine(*world).filter(|_| world.matrix3.determinant() != 0.0) else {
+                let name = node.name.as_deref().unwrap_or("without a name");
+                let message = format!("node {node_ix} ({name}) is squeezed flat by its scale and left out");
+                self.sink.note_once("gltf: flat nodes", None, message);
+                continue;
+            };
+            let motion = rayloom::object_motion(&motion[k * n_steps..(k + 1) * n_steps]);
+            let traits = PathTraits { motion, ..path_traits.clone() };
+            self.scene.objects.extend(shapes.iter().map(|(shape, cover)| Object {
                 transform,
-                texture: Some(cover.texture),
-                interior: cover.interior,
-                traits: path_traits.clone(),
-                ..Object::new(shape)
-            });
+                texture: Some(cover.texture.clone()),
+                interior: cover.interior.clone(),
+                traits: traits.clone(),
+                ..Object::new(shape.clone())
+            }));
         }
         Ok(())
     }

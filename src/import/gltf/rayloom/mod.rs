@@ -114,16 +114,16 @@ pub(super) struct NodeTraits {
     /// Names for Cryptomatte; without them the node's name stands for both.
     pub object_name: Option<String>,
     pub asset_name: Option<String>,
-    /// World matrices at evenly spaced times over the shutter; empty: it stands still.
+    /// World matrices at evenly spaced times over the shutter, those of a node's first instance first; empty: it stands still.
     pub motion: Vec<DAffine3>,
 }
 
 impl<'a> Extension<'a> {
-    /// The record of node `ix`.
-    pub fn node(&self, ix: usize, value: &Value, sink: &mut Sink) -> Result<NodeTraits, ImportError> {
+    /// The record of node `ix`, which stands in `n_places` places.
+    pub fn node(&self, ix: usize, value: &Value, n_places: usize, sink: &mut Sink) -> Result<NodeTraits, ImportError> {
         let r = Record::new(self.doc, value, format!("nodes[{ix}].extensions.{NAME}"))?;
         let motion = match r.record("motion")? {
-            Some(m) => motion::matrices(&m, &self.shutter, sink)?,
+            Some(m) => motion::matrices(&m, &self.shutter, n_places, sink)?,
             None => Vec::new(),
         };
         let traits = NodeTraits {

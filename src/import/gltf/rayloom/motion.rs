@@ -38,30 +38,31 @@ fn times(r: &Record, shutter: &Shutter, sink: &mut Sink) -> Result<Option<usize>
     Ok(None)
 }
 
-/// World matrices of a node's `motion`, in Blender's axes.
-pub(super) fn matrices(r: &Record, shutter: &Shutter, sink: &mut Sink) -> Result<Vec<DAffine3>, ImportError> {
+/// World matrices of a node's `motion`, in Blender's axes: all times of its first place, then of the next.
+pub(super) fn matrices(r: &Record, shutter: &Shutter, n_places: usize, sink: &mut Sink) -> Result<Vec<DAffine3>, ImportError> {
     let doc = r.document();
     let n = times(r, shutter, sink)?;
     let ix = r.needed("matrices", r.index("matrices", doc.root.accessors.len(), "accessor")?)?;
     r.finish()?;
     let Some(n) = n else { return Ok(Vec::new()) };
     let a = Accessor::new(doc, ix, &[16], || r.path().to_owned())?;
-    if a.count != n {
-        return Err(r.wrong("matrices", format!("there are {} matrices for {n} times", a.count)));
+    if Some(a.count) != n.checked_mul(n_places) {
+        let places = if n_places == 1 { String::new() } else { format!(" of {n_places} instances") };
+        return Err(r.wrong("matrices", format!("there are {} matrices for {n} times{places}", a.count)));
     }
     let affine = |m: [f32; 16]| {
         let column = |k: usize| DVec3::new(f64::from(m[4 * k]), f64::from(m[4 * k + 1]), f64::from(m[4 * k + 2]));
         DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) }
     };
     let out: Vec<DAffine3> = a.all_floats(0.0).into_iter().map(affine).collect();
-    match out.iter().find(|m| !m.is_finite()) {
-        Some(_) => Err(r.wrong("matrices", "one of them is not finite")),
-        None => Ok(out),
-    }
+    if out.iter().all(|m| m.is_finite()) { Ok(out) } else { Err(r.wrong("matrices", "one of them is not finite")) }
 }
 
 /// The keys of an object; empty when one of them squeezes it flat.
 pub(in super::super) fn object_motion(matrices: &[DAffine3]) -> Arc<[Transform]> {
+    if matrices.is_empty() {
+        return Arc::default();
+    }
     let keys: Option<Vec<Transform>> =
         matrices.iter().map(|m| Transform::from_affine(*m).filter(|_| m.matrix3.determinant() != 0.0)).collect();
     keys.unwrap_or_default().into()
