@@ -48,7 +48,8 @@ pub struct Bounces {
     glossy: u32,
     transmission: u32,
     volume: u32,
-    transparent: u32,
+    /// Transparent surfaces gone through.
+    pub transparent: u32,
     /// What made the ray.
     pub kind: RayKind,
     /// The last event was going straight on.

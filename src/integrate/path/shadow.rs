@@ -10,24 +10,34 @@ use crate::math::{DVec3, Ray, Rgb, Vec3};
 /// Rays do not see what is nearer than this to where they start. Meshes are tested in double precision on exact vertices.
 pub const NEAR: f64 = 1e-6;
 
+/// A ray to a light.
+pub(super) struct ShadowRay<'a> {
+    pub from: DVec3,
+    /// Unit.
+    pub dir: DVec3,
+    /// To the light; may be infinite.
+    pub distance: f64,
+    /// In the shutter, 0..1.
+    pub time: f64,
+    /// Around `from`.
+    pub volumes: &'a VolumeStack,
+    /// Transparent surfaces that the path has gone through so far: they count towards the same limit. Source: Cycles (suite
+    /// `path/transport/transparent_limit`).
+    pub passed: u32,
+    /// Of random numbers for volumes.
+    pub stream: u32,
+}
+
 impl PathPlan<'_> {
-    /// Share of light that comes through between `from` and `from + dir * distance`. `last` remembers what blocked a ray before.
-    pub(super) fn transmittance(
-        &self,
-        from: DVec3,
-        dir: DVec3,
-        distance: f64,
-        time: f64,
-        volumes: &VolumeStack,
-        last: &mut u32,
-        stream: u32,
-    ) -> Rgb {
+    /// Share of light that comes through. `last` remembers what blocked a ray before.
+    pub(super) fn transmittance(&self, to_light: &ShadowRay, last: &mut u32) -> Rgb {
+        let &ShadowRay { from, dir, distance, time, volumes, passed, stream } = to_light;
         let mut throughput = Vec3::ONE;
         let mut volumes = *volumes;
         let mut ray = Ray::new(from, dir);
         // The light's own surface does not block it.
         let mut left = if distance.is_finite() { distance * (1.0 - 1e-7) - NEAR } else { f64::MAX };
-        for passed in 0..=self.settings.transparent_bounces {
+        for passed in passed..=self.settings.transparent_bounces {
             if left <= NEAR {
                 return throughput;
             }

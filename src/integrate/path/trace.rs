@@ -5,7 +5,7 @@ use super::closure::{Shading, View, shade};
 use super::passes::{From, Gather, Shares};
 use super::plan::PathPlan;
 use super::sampler::{Sampler, Set};
-use super::shadow::NEAR;
+use super::shadow::{NEAR, ShadowRay};
 use super::surface::Surface;
 use super::volume::VolumeStack;
 use crate::kernel::SurfaceHit;
@@ -395,7 +395,9 @@ impl<'p> PathTracer<'p> {
             if plan.has_volumes && l.dot(surface.flat.as_vec3()) < 0.0 {
                 volumes.cross(plan, surface, plan.material(surface).0);
             }
-            seen = plan.transmittance(from, dir, distance, path.time, &volumes, &mut self.blocker, path.sampler.stream(path.step));
+            let stream = path.sampler.stream(path.step);
+            let ray = ShadowRay { from, dir, distance, time: path.time, volumes: &volumes, passed: path.bounces.transparent, stream };
+            seen = plan.transmittance(&ray, &mut self.blocker);
         }
         if seen != Vec3::ZERO {
             let shares = if self.gather.is_some() && path.bounces.total == 0 { lobes.shares(surface.v, l) } else { [Vec3::ZERO; 2] };

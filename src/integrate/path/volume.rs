@@ -7,7 +7,7 @@
 use super::passes::{From, Shares};
 use super::plan::PathPlan;
 use super::sampler::Set;
-use super::shadow::NEAR;
+use super::shadow::{NEAR, ShadowRay};
 use super::surface::Surface;
 use super::trace::{Origin, Path, PathTracer, balance};
 use crate::kernel::traverse::intersect_at;
@@ -401,7 +401,9 @@ impl PathTracer<'_> {
             return;
         }
         let seen = if light.cast_shadow {
-            plan.transmittance(p, light.dir, light.distance, path.time, &path.volumes, &mut self.blocker, stream)
+            let (time, passed) = (path.time, path.bounces.transparent);
+            let ray = ShadowRay { from: p, dir: light.dir, distance: light.distance, time, volumes: &path.volumes, passed, stream };
+            plan.transmittance(&ray, &mut self.blocker)
         } else {
             Vec3::ONE
         };

@@ -256,11 +256,12 @@ impl LobeSet {
         self.lobes().any(Lobe::is_smooth)
     }
 
-    /// Value without the weight, and density, where the lobe's normal is not the flat face's: light on the other side of the face than of the
-    /// lobe's own plane is lost, but for the widest mirror lobes: of what they send below the face, the share [`Lobe::flips`] is mirrored
-    /// back up. Source: what Cycles does with one sample, measured (`tests/measured/cycles_bent.txt`).
+    /// Value without the weight, and density, where the lobe's normal is not the flat face's: of microfacets, light on the other side of the
+    /// face than of the lobe's own plane is lost, but for the widest mirror lobes: of what they send below the face, the share
+    /// [`Lobe::flips`] is mirrored back up. Diffuse lobes lose such light only where it is met by chance ([`LobeSet::sample_lobe`]), not from
+    /// lamps that are asked for. Source: what Cycles does with one sample, measured (`tests/measured/cycles_bent.txt`, suite `path/diffuse`).
     fn eval_lobe(&self, lobe: &Lobe, v: Vec3, l: Vec3) -> (Rgb, f32) {
-        if lobe.is_flat(self.flat) {
+        if lobe.is_flat(self.flat) || lobe.is_diffuse() {
             return lobe.eval(v, l);
         }
         let height = l.dot(self.flat);

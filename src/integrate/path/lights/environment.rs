@@ -227,10 +227,11 @@ fn direction_of(uv: DVec2) -> DVec3 {
     DVec3::new(st * cp, st * sp, ct)
 }
 
-/// A picture's colour; it goes round along u and ends along v.
+/// A picture's colour; it goes round along u and v: the rim of a mirror ball and the poles mix with the other end. Source: Cycles (suite
+/// `path/world/hdri_mirror_ball`).
 fn look(image: &FloatImage, uv: DVec2, linear: bool) -> Rgb {
     let (w, h) = (i64::from(image.width), i64::from(image.height));
-    let at = |x: i64, y: i64| image.texels[(y.clamp(0, h - 1) * w + x.rem_euclid(w)) as usize];
+    let at = |x: i64, y: i64| image.texels[(y.rem_euclid(h) * w + x.rem_euclid(w)) as usize];
     let (x, y) = (uv.x * w as f64, uv.y * h as f64);
     if !linear {
         return at(x.floor() as i64, y.floor() as i64);
