@@ -118,3 +118,13 @@ pub enum NormalInput {
         base: Option<Box<NormalInput>>,
     },
 }
+
+/// Where stretched highlights lie along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum TangentInput {
+    /// Around the object's z axis (Blender's default).
+    #[default]
+    Object,
+    /// Along u of a set of coordinates, turning towards the picture's top (glTF); as `Picture::uv_set`.
+    Uv(u32),
+}

@@ -17,6 +17,7 @@ pub mod input;
 pub mod interior;
 pub mod lamp;
 pub mod light;
+pub mod likeness;
 pub mod material;
 pub mod object;
 pub mod pass;

@@ -4,7 +4,7 @@
 //! the front end knows more. Without one the path integrator makes a shader from the likeness.
 //! Source of the terms: Blender 4.5 manual, Shader Nodes; Cycles' conventions were measured (docs/path.md).
 
-use super::input::{Color, NormalInput, Scalar};
+use super::input::{Color, NormalInput, Scalar, TangentInput};
 use super::volume::Volume;
 use crate::math::Vec3;
 
@@ -36,7 +36,7 @@ impl Closure {
     /// Whether shadow rays may pass some of it.
     pub fn may_let_through(&self) -> bool {
         match self {
-            Self::Principled(p) => p.alpha.as_constant() != Some(1.0),
+            Self::Principled(p) => p.alpha.as_constant() != Some(1.0) || p.is_pane(),
             Self::Transparent { .. } => true,
             Self::Mix { a, b, .. } | Self::Add(a, b) => a.may_let_through() || b.may_let_through(),
             _ => false,
@@ -197,6 +197,8 @@ pub struct PrincipledClosure {
     pub anisotropic: Scalar,
     /// Turns.
     pub anisotropic_rotation: Scalar,
+    /// What the turns count from.
+    pub tangent: TangentInput,
     pub transmission_weight: Scalar,
     pub coat_weight: Scalar,
     pub coat_roughness: Scalar,
@@ -214,6 +216,13 @@ pub struct PrincipledClosure {
     pub thin_film_ior: Scalar,
     /// Thin wall: transmission does not bend (glTF's transmission without a volume).
     pub thin_walled: bool,
+}
+
+impl PrincipledClosure {
+    /// Some light goes straight through it as through a pane.
+    pub fn is_pane(&self) -> bool {
+        self.thin_walled && self.transmission_weight.as_constant() != Some(0.0)
+    }
 }
 
 impl Default for PrincipledClosure {
@@ -238,6 +247,7 @@ impl Default for PrincipledClosure {
             specular_tint: 1.0.into(),
             anisotropic: 0.0.into(),
             anisotropic_rotation: 0.0.into(),
+            tangent: TangentInput::Object,
             transmission_weight: 0.0.into(),
             coat_weight: 0.0.into(),
             coat_roughness: 0.03.into(),

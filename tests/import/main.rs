@@ -3,6 +3,7 @@
 mod broken;
 mod files;
 mod gltf;
+mod khr;
 mod obj;
 mod rayloom;
 mod shading;

@@ -3,16 +3,19 @@
 use super::super::files::{self, Target};
 use super::super::{ImportError, picture, plain_material};
 use super::Document;
+use super::khr;
+use super::rayloom::place_of_set;
 use crate::diag::Sink;
 use crate::math::Vec3;
+use crate::scene::input::{NormalInput, Picture};
+use crate::scene::likeness::closure_of;
 use crate::scene::material::{AlphaMode, MaterialImage, MaterialTexture, Wrap};
-use crate::scene::{Interior, Principled, Texture};
+use crate::scene::{Interior, Principled, Shader, Texture};
 use ::gltf::json;
 use ::gltf::json::material::AlphaMode as JsonAlpha;
 use ::gltf::json::texture::{MagFilter, WrappingMode};
 use ::gltf::json::validation::Checked;
 use rayon::prelude::*;
-use serde_json::Value;
 use std::sync::Arc;
 
 /// A material, shared by all that wear it.
@@ -30,9 +33,12 @@ pub(super) struct Cover {
 /// All materials of a file; the last is the one of primitives that name none. `decode`: their pictures are wanted; else each material is
 /// going to be replaced.
 pub(super) fn covers(doc: &Document, decode: bool, sink: &mut Sink) -> Result<Vec<Cover>, ImportError> {
+    let from_blender = doc.root.asset.generator.as_deref().is_some_and(|g| g.contains("Blender"));
     let images = if decode { images(doc, sink)? } else { vec![None; doc.root.images.len()] };
     let records = doc.root.materials.iter().enumerate();
-    let read = records.map(|(ix, record)| Reader { doc, images: &images, ix, uv_set: None, sink: &mut *sink }.cover(record));
+    let read = records.map(|(ix, record)| {
+        Reader { doc, images: &images, ix, from_blender, uv_set: None, more_uvs: false, sink: &mut *sink }.cover(record)
+    });
     let mut covers = read.collect::<Result<Vec<_>, _>>()?;
     // glTF's own default is a rough white metal; without a material Blender and its users see plain grey.
     let plain = Texture::Principled(Box::new(plain_material()));
@@ -83,24 +89,41 @@ pub(super) fn image_bytes(doc: &Document, ix: usize) -> Result<Vec<u8>, String> 
 }
 
 /// Turns one record into a material.
-struct Reader<'a> {
-    doc: &'a Document<'a>,
+pub(super) struct Reader<'a> {
+    pub doc: &'a Document<'a>,
     images: &'a [Option<Arc<MaterialImage>>],
     ix: usize,
+    /// The file is Blender's, whose exporter has its own reading of some extensions.
+    pub from_blender: bool,
+    /// The set of its first picture.
     uv_set: Option<u32>,
-    sink: &'a mut Sink,
+    /// Its pictures use several sets.
+    more_uvs: bool,
+    pub sink: &'a mut Sink,
 }
 
-impl Reader<'_> {
-    fn place(&self) -> String {
+impl<'a> Reader<'a> {
+    pub fn place(&self) -> String {
         let name = self.doc.root.materials.get(self.ix).and_then(|m| m.name.as_deref());
         name.map_or_else(|| format!("material {}", self.ix), |n| format!("material '{n}'"))
     }
 
-    fn cover(mut self, m: &json::Material) -> Result<Cover, ImportError> {
+    fn cover(mut self, m: &'a json::Material) -> Result<Cover, ImportError> {
         let pbr = &m.pbr_metallic_roughness;
         let [r, g, b, alpha] = pbr.base_color_factor.0;
         let cutoff = m.alpha_cutoff.unwrap_or_default().0;
+        let base_color = self.texture(pbr.base_color_texture.as_ref(), true)?;
+        let metallic_roughness = self.texture(pbr.metallic_roughness_texture.as_ref(), false)?;
+        let emission = self.texture(m.emissive_texture.as_ref(), true)?;
+        let normal = match &m.normal_texture {
+            Some(n) => {
+                let transform = n.extensions.as_ref().and_then(|e| e.others.get("KHR_texture_transform"));
+                let (set, transform) = khr::transform_of(self.doc, transform, n.tex_coord, || self.place())?;
+                self.picture(n.index.value(), set, transform, false)?
+            }
+            None => None,
+        };
+        let texture = |p: &Option<Picture>| p.as_ref().map(|p| p.texture.clone());
         let mut p = Principled {
             base_color: Vec3::new(r, g, b),
             alpha,
@@ -114,38 +137,68 @@ impl Reader<'_> {
             emission: Vec3::from_array(m.emissive_factor.0),
             double_sided: m.double_sided,
             name: m.name.as_deref().unwrap_or_default().into(),
-            base_color_texture: self.texture(pbr.base_color_texture.as_ref(), true)?,
-            metallic_roughness_texture: self.texture(pbr.metallic_roughness_texture.as_ref(), false)?,
-            emission_texture: self.texture(m.emissive_texture.as_ref(), true)?,
+            base_color_texture: texture(&base_color),
+            metallic_roughness_texture: texture(&metallic_roughness),
+            emission_texture: texture(&emission),
+            normal_texture: texture(&normal),
+            normal_scale: m.normal_texture.as_ref().map_or(1.0, |n| n.scale),
             ..Principled::default()
         };
-        if let Some(n) = &m.normal_texture {
-            let transform = n.extensions.as_ref().and_then(|e| e.others.get("KHR_texture_transform"));
-            p.normal_texture = self.picture(n.index.value(), n.tex_coord, transform_of(transform), false)?;
-            p.normal_scale = n.scale;
-        }
         if m.occlusion_texture.is_some() {
             self.sink.note_once("gltf: occlusion", None, "occlusion textures are left out: shadows are computed");
         }
-        let mut interior = None;
-        if let Some(e) = &m.extensions {
-            self.extensions(e, &mut p)?;
-            interior = e.others.get("KHR_materials_volume").map(|v| volume(v, p.ior));
-        }
+        let transmission = match &m.extensions {
+            Some(e) => self.extensions(e, &mut p)?,
+            None => None,
+        };
         let numbers = [p.alpha, p.metallic, p.roughness, p.ior, p.specular, p.transmission, p.normal_scale];
         if !(p.base_color.is_finite() && p.emission.is_finite() && p.specular_color.is_finite() && numbers.iter().all(|v| v.is_finite())) {
             return Err(self.doc.invalid(self.place(), "one of its numbers is not finite"));
         }
-        if p.transmission > 0.0 {
-            interior.get_or_insert_with(|| Interior { ior: f64::from(p.ior), ..Interior::default() });
-        } else {
-            interior = None;
+        let mut interior = None;
+        // What the path integrator simulates: each picture on its own coordinates, and what the likeness above has no word for.
+        let mut closure = closure_of(&p);
+        for (at, read) in [(&mut closure.base_color.picture, base_color), (&mut closure.emission_color.picture, emission)] {
+            if at.is_some() && read.is_some() {
+                *at = read;
+            }
         }
-        let uv_set = self.uv_set.unwrap_or(0);
-        Ok(Cover { texture: Arc::new(Texture::Principled(Box::new(p))), interior: interior.map(Arc::new), uv_set, all_uvs: false })
+        for (scalar, read) in [
+            (&mut closure.metallic, &metallic_roughness),
+            (&mut closure.roughness, &metallic_roughness),
+            (&mut closure.transmission_weight, &transmission),
+        ] {
+            if let (Some((at, _)), Some(read)) = (&mut scalar.picture, read) {
+                *at = read.clone();
+            }
+        }
+        if let (Some((at, _)), Some(read)) = (&mut closure.alpha.picture, &closure.base_color.picture) {
+            *at = read.clone();
+        }
+        if let (Some(NormalInput::Map { picture, .. }), Some(read)) = (closure.normal.as_deref_mut(), normal) {
+            *picture = read;
+        }
+        let others = m.extensions.as_ref().map(|e| &e.others);
+        let volume = khr::volume(&self, others)?;
+        if p.transmission > 0.0 {
+            let inside = Interior { ior: f64::from(p.ior), ..Interior::default() };
+            interior = Some(volume.as_ref().map_or(inside.clone(), |v| v.interior(inside)));
+        }
+        let surface = khr::surface(&mut self, m, closure, volume.as_ref())?;
+        p.shader = Some(Arc::new(Shader {
+            surface: Some(surface),
+            volume: volume.filter(|_| p.transmission > 0.0).and_then(|v| v.medium()),
+            transparent_shadow: true,
+            name: p.name.to_string(),
+            ..Shader::default()
+        }));
+        let (uv_set, all_uvs) = (self.uv_set.unwrap_or(0), self.more_uvs);
+        Ok(Cover { texture: Arc::new(Texture::Principled(Box::new(p))), interior: interior.map(Arc::new), uv_set, all_uvs })
     }
 
-    fn extensions(&mut self, e: &json::extensions::material::Material, p: &mut Principled) -> Result<(), ImportError> {
+    /// What the likeness knows of the extensions; gives the picture of the transmission.
+    fn extensions(&mut self, e: &json::extensions::material::Material, p: &mut Principled) -> Result<Option<Picture>, ImportError> {
+        let mut transmission = None;
         if let Some(s) = &e.emissive_strength {
             p.emission *= s.emissive_strength.0;
         }
@@ -155,14 +208,12 @@ impl Reader<'_> {
         }
         if let Some(t) = &e.transmission {
             p.transmission = t.transmission_factor.0;
-            p.transmission_texture = self.texture(t.transmission_texture.as_ref(), false)?;
+            transmission = self.texture(t.transmission_texture.as_ref(), false)?;
+            p.transmission_texture = transmission.as_ref().map(|t| t.texture.clone());
         }
         if let Some(s) = &e.specular {
             p.specular = s.specular_factor.0;
             p.specular_color = Vec3::from_array(s.specular_color_factor.0);
-            if s.specular_texture.is_some() || s.specular_color_texture.is_some() {
-                self.sink.note_once("gltf: specular textures", None, "textures of KHR_materials_specular are left out");
-            }
         }
         if e.others.contains_key("KHR_materials_unlit") {
             // Seen as it is: it shines with its colour, and light does nothing to it.
@@ -173,24 +224,26 @@ impl Reader<'_> {
             p.metallic = 0.0;
             p.specular = 0.0;
         }
-        Ok(())
+        Ok(transmission)
     }
 
-    fn texture(&mut self, info: Option<&json::texture::Info>, srgb: bool) -> Result<Option<MaterialTexture>, ImportError> {
+    /// The picture of one of the core's textures.
+    pub fn texture(&mut self, info: Option<&json::texture::Info>, srgb: bool) -> Result<Option<Picture>, ImportError> {
         let Some(info) = info else { return Ok(None) };
         let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.as_ref());
         let set = transform.and_then(|t| t.tex_coord).unwrap_or(info.tex_coord);
-        let matrix = transform.map_or(IDENTITY, |t| affine(t.offset.0, t.rotation.0, t.scale.0));
+        let matrix = transform.map_or(khr::IDENTITY, |t| khr::affine(t.offset.0, t.rotation.0, t.scale.0));
         self.picture(info.index.value(), set, matrix, srgb)
     }
 
-    fn picture(
+    /// Texture `texture_ix` over set `uv_set` of the file's coordinates.
+    pub fn picture(
         &mut self,
         texture_ix: usize,
         uv_set: u32,
         uv_transform: [[f32; 3]; 2],
         srgb: bool,
-    ) -> Result<Option<MaterialTexture>, ImportError> {
+    ) -> Result<Option<Picture>, ImportError> {
         let record = self.doc.get(&self.doc.root.textures, texture_ix, "texture", || self.place())?;
         let source = record.source.value();
         if source == u32::MAX as usize {
@@ -199,13 +252,14 @@ impl Reader<'_> {
             return Ok(None);
         }
         let Some(image) = self.doc.get(self.images, source, "image", || format!("texture {texture_ix}"))?.clone() else { return Ok(None) };
-        match self.uv_set {
-            None => self.uv_set = Some(uv_set),
-            Some(known) if known != uv_set => {
-                let message = format!("{} uses two sets of texture coordinates; all its textures take set {known}", self.place());
-                self.sink.note_once("gltf: uv sets", None, message);
-            }
-            Some(_) => {}
+        let first = *self.uv_set.get_or_insert(uv_set);
+        if first != uv_set {
+            self.more_uvs = true;
+            let message = format!(
+                "{} uses two sets of texture coordinates; without --integrator path all its textures take set {first}",
+                self.place()
+            );
+            self.sink.note_once("gltf: uv sets", None, message);
         }
         let sampler = match record.sampler {
             Some(ix) => self.doc.get(&self.doc.root.samplers, ix.value(), "sampler", || format!("texture {texture_ix}"))?.clone(),
@@ -217,35 +271,7 @@ impl Reader<'_> {
             _ => Wrap::Repeat,
         };
         let linear = sampler.mag_filter != Some(Checked::Valid(MagFilter::Nearest));
-        Ok(Some(MaterialTexture { image, srgb, wrap: [wrap(sampler.wrap_s), wrap(sampler.wrap_t)], linear, uv_transform }))
+        let texture = MaterialTexture { image, srgb, wrap: [wrap(sampler.wrap_s), wrap(sampler.wrap_t)], linear, uv_transform };
+        Ok(Some(Picture { texture, uv_set: place_of_set(uv_set, first), filter_encoded: false, premultiplied: false }))
     }
-}
-
-const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-
-/// Translation times rotation times scale, as KHR_texture_transform writes it.
-fn affine(offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> [[f32; 3]; 2] {
-    let (sin, cos) = rotation.sin_cos();
-    [[cos * scale[0], sin * scale[1], offset[0]], [-sin * scale[0], cos * scale[1], offset[1]]]
-}
-
-/// The same from an extension that the JSON crate has no record for (normal textures).
-fn transform_of(value: Option<&Value>) -> [[f32; 3]; 2] {
-    let Some(v) = value else { return IDENTITY };
-    let number = |v: &Value| v.as_f64().map(|n| n as f32);
-    let pair = |key: &str, default: f32| {
-        let at = |k: usize| v.get(key).and_then(|p| p.get(k)).and_then(number).unwrap_or(default);
-        [at(0), at(1)]
-    };
-    affine(pair("offset", 0.0), v.get("rotation").and_then(number).unwrap_or(0.0), pair("scale", 1.0))
-}
-
-/// KHR_materials_volume: colour^(depth / distance) of the light is left.
-fn volume(v: &Value, ior: f32) -> Interior {
-    let interior = Interior { ior: f64::from(ior), ..Interior::default() };
-    let Some(distance) = v.get("attenuationDistance").and_then(Value::as_f64).filter(|d| *d > 0.0) else { return interior };
-    let channel = |k: usize| v.get("attenuationColor").and_then(|c| c.get(k)).and_then(Value::as_f64).unwrap_or(1.0);
-    // The exponential fade keeps exp(-(1 - fade_color) depth / distance).
-    let fade_color = Vec3::from([0, 1, 2].map(|k| (1.0 + channel(k).clamp(1e-6, 1.0).ln()) as f32));
-    Interior { fade_color, fade_distance: distance, fade_power: 1000.0, ..interior }
 }

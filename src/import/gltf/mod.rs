@@ -2,9 +2,11 @@
 //! crate's own checks index before they look.
 
 mod accessor;
+mod bake;
 mod camera;
 mod container;
 mod instancing;
+mod khr;
 mod light;
 mod material;
 mod mesh;
@@ -22,11 +24,17 @@ use std::path::Path;
 const SUPPORTED: &[&str] = &[
     instancing::NAME,
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
@@ -80,6 +88,9 @@ pub(super) fn load(path: &Path, bytes: &[u8], options: &ImportOptions, sink: &mu
     let is_fallback = |e: &str| e.starts_with("KHR_materials_") && root.extensions_used.iter().any(|u| u == rayloom::NAME);
     for name in root.extensions_used.iter().filter(|e| !SUPPORTED.contains(&e.as_str()) && !is_fallback(e)) {
         sink.note_once(&format!("gltf: {name}"), None, format!("the glTF extension {name} is left out"));
+    }
+    if root.extensions_used.iter().any(|e| e == "KHR_materials_variants") {
+        sink.note_once("gltf: variants", None, "the file has variants of its materials; the default ones are shown");
     }
     if !root.animations.is_empty() {
         sink.note_once("gltf: animation", None, "animations are left out; nodes stand as the file places them");

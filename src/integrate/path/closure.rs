@@ -11,7 +11,7 @@ use crate::kernel::bsdf::microfacet::Microfacet;
 use crate::kernel::bsdf::sheen::Sheen;
 use crate::kernel::bsdf::{Lobe, LobeKind, LobeSet, albedo};
 use crate::math::{Rgb, Vec3};
-use crate::scene::input::NormalInput;
+use crate::scene::input::{NormalInput, TangentInput};
 use crate::scene::shader::{Closure, Distribution, MixFactor};
 
 /// Weights below this are nothing.
@@ -105,6 +105,8 @@ pub fn transparency(closure: Option<&Closure>, surface: &Surface) -> Rgb {
 
 fn straight_on(c: &Closure, s: &Surface) -> Rgb {
     match c {
+        // Its layers dim what goes through a pane, which the lobes know.
+        Closure::Principled(p) if p.is_pane() => shade(Some(c), s, View::plain(true)).transparent,
         Closure::Principled(p) => Vec3::splat(1.0 - s.scalar(&p.alpha).clamp(0.0, 1.0)),
         Closure::Transparent { color } => s.color(color).max(Vec3::ZERO),
         Closure::Mix { factor, a, b } => {
@@ -212,7 +214,7 @@ impl Builder<'_, '_> {
                     Ggx { ax: width * (1.0 - a), ay: (width / (1.0 - a)).min(1.0) }
                 };
                 let rough = (ggx.ax * ggx.ay).sqrt().sqrt();
-                let frame = if a == 0.0 { Frame::about(n) } else { self.turned_frame(n, s.scalar(rotation)) };
+                let frame = if a == 0.0 { Frame::about(n) } else { self.turned_frame(n, TangentInput::Object, s.scalar(rotation)) };
                 let gain = self.compensation(*distribution, rough, n, color);
                 let kind = LobeKind::Microfacet(Microfacet { ggx, fresnel: Fresnel::Mirror, refracts: false });
                 self.push(weight * color * gain, 1.0, frame, kind, is_bent);
@@ -260,9 +262,14 @@ impl Builder<'_, '_> {
     }
 
     /// About `n`, x along the tangent turned by `turns`.
-    pub(super) fn turned_frame(&self, n: Vec3, turns: f32) -> Frame {
-        let f = Frame::with_tangent(n, self.surface.tangent());
+    pub(super) fn turned_frame(&self, n: Vec3, tangent: TangentInput, turns: f32) -> Frame {
         let (sin, cos) = (std::f32::consts::TAU * turns).sin_cos();
+        if let TangentInput::Uv(set) = tangent
+            && let Some((right, top)) = self.surface.uv_frame(set)
+        {
+            return Frame::with_tangent(n, right * cos + top * sin);
+        }
+        let f = Frame::with_tangent(n, self.surface.tangent());
         let t = f.t * cos + f.b * sin;
         Frame { t, b: n.cross(t), n }
     }

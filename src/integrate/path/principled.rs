@@ -124,7 +124,7 @@ impl Builder<'_, '_> {
         let turns = self.surface.scalar(&p.anisotropic_rotation);
         // Widths end at 1. Source: Cycles (measured).
         let ggx = Ggx { ax: (width / aspect).min(1.0), ay: width * aspect };
-        (ggx, self.turned_frame(n, turns), (ggx.ax * ggx.ay).sqrt().sqrt())
+        (ggx, self.turned_frame(n, p.tangent, turns), (ggx.ax * ggx.ay).sqrt().sqrt())
     }
 
     fn metal(&mut self, p: &PrincipledClosure, weight: Rgb, f0: Rgb, tint: Rgb, roughness: f32, n: Vec3, is_bent: bool) {

@@ -185,7 +185,16 @@ impl<'s> Surface<'s> {
 
     /// Unit axes of a picture's right and top in the tangent plane of `n`.
     fn uv_axes(&self, picture: &Picture, n: Vec3) -> Option<(Vec3, Vec3)> {
-        let (along_u, along_v) = self.uv_derivatives(picture)?;
+        self.axes_in(self.uv_derivatives(picture.uv_set, |c| picture_uv(&picture.texture, c))?, n)
+    }
+
+    /// The same of a set of coordinates, about the smooth normal of the front.
+    pub fn uv_frame(&self, set: u32) -> Option<(Vec3, Vec3)> {
+        let outward = if self.backfacing { -self.normal } else { self.normal };
+        self.axes_in(self.uv_derivatives(set, |c| c)?, outward.as_vec3())
+    }
+
+    fn axes_in(&self, (along_u, along_v): (DVec3, DVec3), n: Vec3) -> Option<(Vec3, Vec3)> {
         let n64 = n.as_dvec3();
         let t = (along_u - n64 * n64.dot(along_u)).try_normalize()?;
         let b = n64.cross(t);
@@ -194,13 +203,13 @@ impl<'s> Surface<'s> {
         Some((t.as_vec3(), b.as_vec3()))
     }
 
-    /// World vectors of one picture along u and v.
-    fn uv_derivatives(&self, picture: &Picture) -> Option<(DVec3, DVec3)> {
+    /// World vectors along u and v of coordinates that `place` makes of a set's.
+    fn uv_derivatives(&self, set: u32, place: impl Fn(DVec2) -> DVec2) -> Option<(DVec3, DVec3)> {
         let mesh = self.mesh?;
-        let (uvs, ix) = self.uv_corners(mesh, picture.uv_set)?;
+        let (uvs, ix) = self.uv_corners(mesh, set)?;
         let [p0, p1, p2] = mesh.corners(self.hit.face_ix);
         let uv = ix.map(|k| uvs.get(k as usize).map_or(DVec2::ZERO, |c| DVec2::new(c[0].into(), c[1].into())));
-        let [c0, c1, c2] = uv.map(|c| picture_uv(&picture.texture, c));
+        let [c0, c1, c2] = uv.map(place);
         let (e1, e2, d1, d2) = (p1 - p0, p2 - p0, c1 - c0, c2 - c0);
         let det = d1.x * d2.y - d1.y * d2.x;
         if det == 0.0 {
@@ -211,7 +220,7 @@ impl<'s> Surface<'s> {
 
     /// [`Self::uv_axes`] of the flat face, and the gradients of u and v in world space.
     fn uv_gradients(&self, picture: &Picture) -> Option<(DVec3, DVec3, Vec3, Vec3)> {
-        let (a, b) = self.uv_derivatives(picture)?;
+        let (a, b) = self.uv_derivatives(picture.uv_set, |c| picture_uv(&picture.texture, c))?;
         let n = a.cross(b);
         let area_sq = n.length_squared();
         if area_sq == 0.0 {

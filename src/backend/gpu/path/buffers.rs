@@ -208,6 +208,7 @@ mod tests {
             &["any_light", "env_sampled", "environment", "sky", "sky_sun", "many_kinds"],
             &["texels", "uv", "corner_colors", "bent", "bumps"],
             &["texels", "uv", "more_uvs", "bent"],
+            &["texels", "uv", "bent", "uv_tangents", "anisotropic", "microfacets", "metal", "principled"],
             &["principled"],
             &["principled", "sheen"],
             &["principled", "microfacets", "specular"],

@@ -2,7 +2,7 @@
 
 use super::super::buffers::{append, bits};
 use crate::backend::BackendError;
-use crate::scene::input::{Channel, Color, NormalInput, Picture, Scalar};
+use crate::scene::input::{Channel, Color, NormalInput, Picture, Scalar, TangentInput};
 use crate::scene::material::{MaterialImage, Texels, Wrap};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -110,13 +110,27 @@ impl Encoder {
         Ok(append(&mut self.words, w))
     }
 
-    fn picture(&mut self, p: &Picture) -> Result<u32, BackendError> {
-        if p.uv_set > 0 {
+    /// Place of a tangent's words, those of a look at plain coordinates; 0 for the object's.
+    pub fn tangent(&mut self, t: TangentInput) -> u32 {
+        let TangentInput::Uv(set) = t else { return 0 };
+        self.looks_at(set);
+        self.features.extend(["bent", "uv_tangents"]);
+        let mut w = vec![0; 7];
+        w.extend([1.0f32, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_bits));
+        w.push(set);
+        append(&mut self.words, w)
+    }
+
+    fn looks_at(&mut self, uv_set: u32) {
+        if uv_set > 0 {
             self.features.insert("more_uvs");
-            self.more_uvs = self.more_uvs.max(p.uv_set);
+            self.more_uvs = self.more_uvs.max(uv_set);
         }
-        self.features.insert("texels");
-        self.features.insert("uv");
+        self.features.extend(["texels", "uv"]);
+    }
+
+    fn picture(&mut self, p: &Picture) -> Result<u32, BackendError> {
+        self.looks_at(p.uv_set);
         let t = &p.texture;
         let texels = &mut self.texels;
         let texels_at = *self.known.entry(Arc::as_ptr(&t.image)).or_insert_with(|| {

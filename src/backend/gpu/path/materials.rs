@@ -28,6 +28,7 @@ const PRINCIPLED: &[(&str, u32)] = &[
     ("SPECULAR_MEAN", 1),
     ("ANISOTROPIC", 2),
     ("ANISOTROPIC_ROTATION", 2),
+    ("TANGENT", 1),
     ("TRANSMISSION", 2),
     ("GLASS", 3),
     ("COAT_WEIGHT", 2),
@@ -369,6 +370,7 @@ impl Steps<'_> {
         w.extend([n(eta), n(f0), table, n(dielectric_mean(eta))]);
         w.extend(e.scalar(&p.anisotropic)?);
         w.extend(e.scalar(&p.anisotropic_rotation)?);
+        w.push(if is_zero(&p.anisotropic) { 0 } else { e.tangent(p.tangent) });
         w.extend(e.scalar(&p.transmission_weight)?);
         w.extend(glass);
         w.extend(e.scalar(&p.coat_weight)?);

@@ -22,7 +22,7 @@ pub(super) fn first_obstacle(scene: &CompiledScene, plan: &PathPlan) -> Option<S
         (shown().any(|p| p.clip_len > 0 || p.flags & (prim_flags::BOUNDED | prim_flags::INVERTED) != 0), "clipped meshes"),
         (plan.has_motion, "motion blur"),
         (plan.has_volumes, "volumes"),
-        (!plan.lights.plain.is_empty(), "light sources of POV-Ray and KHR_lights_punctual"),
+        (!plan.lights.plain.is_empty(), "light sources of POV-Ray"),
         (matches!(plan.lights.environment.kind, Kind::Pov), "POV-Ray's sky"),
         (!matches!(scene.camera.projection, Projection::Perspective | Projection::Orthographic), "panoramas"),
     ];

@@ -200,7 +200,7 @@ impl Inputs<'_, '_, '_> {
             emission_strength: self.scalar(ix, "emissionStrength", constant(&d.emission_strength))?,
             thin_film_thickness: self.scalar(ix, "thinFilmThickness", constant(&d.thin_film_thickness))?,
             thin_film_ior: self.scalar(ix, "thinFilmIor", constant(&d.thin_film_ior))?,
-            thin_walled: false,
+            ..d
         })
     }
 

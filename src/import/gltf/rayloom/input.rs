@@ -324,7 +324,7 @@ impl<'a> Inputs<'a, '_, '_> {
 }
 
 /// Where set `uv_set` of the file is when set `first` stands before all others.
-fn place_of_set(uv_set: u32, first: u32) -> u32 {
+pub(in super::super) fn place_of_set(uv_set: u32, first: u32) -> u32 {
     match uv_set {
         s if s == first => 0,
         s if s < first => s + 1,

@@ -15,8 +15,10 @@ mod settings;
 mod world;
 
 pub(super) use camera::{camera, camera_motion};
+pub(super) use input::place_of_set;
 pub(super) use material::shaders;
 pub(super) use motion::{object_motion, vertex_motion};
+pub(super) use record::Record;
 
 use super::super::ImportError;
 use super::Document;
@@ -25,7 +27,6 @@ use crate::math::DAffine3;
 use crate::scene::curves::CurveStyle;
 use crate::scene::{Curves, Light, Scene, Visibility};
 use pictures::Pictures;
-use record::Record;
 use serde_json::{Map, Value};
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use std::collections::HashSet;
 
 /// An object of the extension.
-pub(super) struct Record<'a> {
+pub(in super::super) struct Record<'a> {
     doc: &'a Document<'a>,
     map: &'a Map<String, Value>,
     path: String,
