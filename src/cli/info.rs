@@ -68,6 +68,7 @@ fn scene(args: &InfoArgs) -> Result<(), JobError> {
         print!("{}", text.ok_or_else(|| JobError::Options("the scene's text would be larger than 256 MiB".into()))?);
         return Ok(());
     }
+    let animations = loaded.as_ref().map_or_else(|_| Vec::new(), |s| s.animations.clone());
     let compiled = loaded.and_then(|s| Ok(rayloom::compile::compile_scene(&s, &CompileOptions::default(), &mut sink)?));
     for d in sink.drain().iter().filter(|d| !args.json || d.severity == Severity::Error) {
         eprint!("{}", render(d, &map, style()));
@@ -77,9 +78,12 @@ fn scene(args: &InfoArgs) -> Result<(), JobError> {
     let kinds = kinds(&c);
     let tree = c.geometry.tree.stats();
     if args.json {
+        let animations: Vec<_> =
+            animations.iter().map(|a| serde_json::json!({"name": a.name, "seconds": a.seconds, "channels": a.n_channels})).collect();
         let value = serde_json::json!({
             "scene": path, "primitives": kinds.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(), "lights": c.lights.len(),
             "uses": used, "left_out": unused, "patterns": c.features.patterns, "tree": c.geometry.tree.kind().name(), "tree_bytes": tree.n_bytes,
+            "animations": animations,
         });
         println!("{value:#}");
         return Ok(());
@@ -92,6 +96,9 @@ fn scene(args: &InfoArgs) -> Result<(), JobError> {
     println!("  patterns:   {}", if c.features.patterns.is_empty() { "none".into() } else { c.features.patterns.join(", ") });
     println!("  uses:       {}", used.join(", "));
     println!("  left out:   {}", unused.join(", "));
+    for a in &animations {
+        println!("  animation:  '{}', {:.3} to {:.3} s, moves {} properties of nodes", a.name, a.seconds[0], a.seconds[1], a.n_channels);
+    }
     Ok(())
 }
 

@@ -9,7 +9,7 @@ use rayloom::accel::AccelKind;
 use rayloom::diag::{Diagnostic, SourceMap, Style, render};
 use rayloom::film::{FileFormat, FileGamma, Film};
 use rayloom::integrate::{Antialias, IntegratorKind, NoiseLimit};
-use rayloom::job::{Job, JobError, Listener, Outcome, SceneFormat, Stage, Target, include_folders, job_for_frame};
+use rayloom::job::{Job, JobError, Listener, Moment, Outcome, SceneFormat, Stage, Target, include_folders, job_for_frame};
 use rayloom::lang::Stream;
 use rayloom::lang::options::{Environment, PovOptions, frames};
 use rayloom::scene::pass::LEFT_OUT;
@@ -78,12 +78,24 @@ pub struct RenderArgs {
     /// Render a part: left, top, right, bottom in pixels, right and bottom exclusive
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_crop)]
     crop: Option<[u32; 4]>,
-    /// Animation frames A to B of a scene that uses the clock; numbers are put before the picture's extension
+    /// Animation frames A to B of a scene that uses the clock, or of a glTF file; numbers are put before the picture's extension
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
     frames: Option<(u32, u32)>,
     /// Value of the scene's clock
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     clock: Option<f64>,
+    /// Moment of a glTF file's animation in seconds [default: nodes stand as the file places them]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = parse_finite, conflicts_with_all = ["frame", "frames"])]
+    time: Option<f64>,
+    /// The same as a frame, counted from 0 at `--fps`; `--frames A..B` renders several
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse_finite, conflicts_with = "frames")]
+    frame: Option<f64>,
+    /// Frames in a second of a glTF file's animation
+    #[arg(long, value_name = "N", default_value = "24", value_parser = parse_fps)]
+    fps: f64,
+    /// Which animation of a glTF file, by name or by number from 0 [default: its first]
+    #[arg(long, value_name = "NAME")]
+    animation: Option<String>,
     /// Folder to search for includes, images and fonts; may be given again
     #[arg(short = 'L', long = "library", value_name = "DIR")]
     library: Vec<PathBuf>,
@@ -165,6 +177,14 @@ fn parse_antialias(text: &str) -> Result<AntialiasArg, String> {
         Ok(t) if (0.0..=1.0).contains(&t) => Ok(AntialiasArg::Threshold(t)),
         _ => Err("write off, or a threshold from 0 to 1".into()),
     }
+}
+
+fn parse_finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|t: &f64| t.is_finite()).ok_or_else(|| "write a number, as in 1.5".into())
+}
+
+fn parse_fps(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|t: &f64| *t > 0.0 && t.is_finite()).ok_or_else(|| "write a number above 0, as in 24".into())
 }
 
 fn parse_passes(text: &str) -> Result<PassSet, String> {
@@ -340,6 +360,14 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
         r.crop = crop;
     }
     let is_model = SceneFormat::of(input) == SceneFormat::Model;
+    if !is_model && (args.time.is_some() || args.frame.is_some() || args.animation.is_some()) {
+        let message = "--time, --frame and --animation are for glTF files; scenes have --clock and --frames";
+        return Err(JobError::Options(message.into()));
+    }
+    let frame = args.frame.or(args.frames.map(|_| f64::from(number)));
+    // Naming an animation asks for its start.
+    let time = args.time.or(frame.map(|n| n / args.fps)).or(args.animation.as_ref().map(|_| 0.0));
+    job.source.moment = Moment { time, fps: args.fps, animation: args.animation.clone() };
     r.integrator = match args.integrator {
         IntegratorArg::Path => IntegratorKind::Path,
         IntegratorArg::Auto | IntegratorArg::Classic => IntegratorKind::Classic,

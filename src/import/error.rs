@@ -106,6 +106,16 @@ pub enum ImportError {
         /// The limit.
         limit: usize,
     },
+    /// The animation that was asked for is not there.
+    #[error("'{}' has no animation '{name}'; it has {}", path.display(), if list.is_empty() { "none" } else { list })]
+    NoAnimation {
+        /// Which file.
+        path: PathBuf,
+        /// As asked for.
+        name: String,
+        /// Those that are there, with commas between.
+        list: String,
+    },
     /// Few bytes of the file ask for more memory than there is.
     #[error(transparent)]
     Memory(#[from] crate::memory::OutOfMemory),

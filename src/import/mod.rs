@@ -26,13 +26,19 @@ pub struct ImportOptions {
     /// Luminous units in a radiant one: lamps are divided by it. `None`: 683 lm/W for files that Blender wrote (its exporter
     /// multiplies lamps, and lamps alone, by that), 1 for all others (their lamps and emission have one unit).
     pub lumens_per_watt: Option<f64>,
+    /// Moment of the animation, in seconds; `None`: nodes stand as the file places them.
+    pub time: Option<f64>,
+    /// Frames in a second: the shutter's length counts in frames.
+    pub fps: f64,
+    /// Which animation, by name or number; `None`: the first.
+    pub animation: Option<String>,
     /// What the scene's objects may take.
     pub memory: MemoryLimit,
 }
 
 impl Default for ImportOptions {
     fn default() -> Self {
-        Self { aspect: 4.0 / 3.0, lumens_per_watt: None, memory: MemoryLimit::of_machine() }
+        Self { aspect: 4.0 / 3.0, lumens_per_watt: None, time: None, fps: 24.0, animation: None, memory: MemoryLimit::of_machine() }
     }
 }
 

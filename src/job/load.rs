@@ -22,6 +22,25 @@ pub struct Source {
     pub library_paths: Vec<PathBuf>,
     /// Folders that the scene may open files of its own in; empty: everywhere.
     pub io_folders: Vec<PathBuf>,
+    /// Which moment of a model's animation.
+    pub moment: Moment,
+}
+
+/// A moment of a model's animation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moment {
+    /// Seconds; `None`: nodes stand as the file places them.
+    pub time: Option<f64>,
+    /// Frames in a second.
+    pub fps: f64,
+    /// Which animation, by name or number; `None`: the first.
+    pub animation: Option<String>,
+}
+
+impl Default for Moment {
+    fn default() -> Self {
+        Self { time: None, fps: 24.0, animation: None }
+    }
 }
 
 /// Kind of scene file.
@@ -47,7 +66,9 @@ pub(super) fn load(job: &Job, map: &mut SourceMap, sink: &mut Sink, listener: &d
     match source.format {
         SceneFormat::Model => {
             let aspect = f64::from(job.render.width) / f64::from(job.render.height);
-            Ok(crate::import::load(&source.path, &ImportOptions { aspect, memory: source.lang.memory, ..ImportOptions::default() }, sink)?)
+            let Moment { time, fps, animation } = source.moment.clone();
+            let options = ImportOptions { aspect, time, fps, animation, memory: source.lang.memory, ..ImportOptions::default() };
+            Ok(crate::import::load(&source.path, &options, sink)?)
         }
         SceneFormat::Pov => parse(source, map, sink, &mut |stream, t| listener.text(stream, t)),
     }
@@ -64,6 +85,7 @@ pub fn load_scene(path: &Path, library_paths: &[PathBuf], map: &mut SourceMap, s
         lang: LangOptions::default(),
         library_paths: library_paths.iter().cloned().chain(include_folders()).collect(),
         io_folders: vec![PathBuf::new(), path.parent().map_or_else(PathBuf::new, Path::to_path_buf), std::env::temp_dir()],
+        moment: Moment::default(),
     };
     parse(&source, map, sink, &mut |_, _| {})
 }

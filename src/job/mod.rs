@@ -10,7 +10,7 @@ mod settle;
 mod write;
 
 pub use backend::BackendChoice;
-pub use load::{SceneFormat, Source, include_folders, load_scene};
+pub use load::{Moment, SceneFormat, Source, include_folders, load_scene};
 pub use pov::{all_cores, check_size, job_for_frame};
 pub use write::Target;
 

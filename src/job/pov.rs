@@ -1,6 +1,6 @@
 //! POV-Ray's options → a [`Job`] for one frame.
 
-use super::{BackendChoice, Job, JobError, SceneFormat, Source, Target};
+use super::{BackendChoice, Job, JobError, Moment, SceneFormat, Source, Target};
 use crate::accel::AccelKind;
 use crate::compile::CompileOptions;
 use crate::film::{DitherMethod, FileFormat, FileGamma};
@@ -68,6 +68,7 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
             lang,
             library_paths: o.library_paths.iter().map(PathBuf::from).collect(),
             io_folders,
+            moment: Moment::default(),
         },
         target,
         render: RenderSettings {

@@ -16,7 +16,7 @@ pub(super) fn state_path(job: &Job) -> Option<PathBuf> {
 pub(super) fn fingerprint(job: &Job, map: &SourceMap) -> String {
     let r = &job.render;
     let mut text = format!(
-        "{} {}x{} {:?} {:?} {:?} {:?} seed {} alpha {} blocks {} passes {:?} noise {:?} quality {} clock {} {:?}",
+        "{} {}x{} {:?} {:?} {:?} {:?} seed {} alpha {} blocks {} passes {:?} noise {:?} quality {} clock {} {:?} {:?}",
         job.source.path.display(),
         r.width,
         r.height,
@@ -32,6 +32,7 @@ pub(super) fn fingerprint(job: &Job, map: &SourceMap) -> String {
         job.compile.quality,
         job.source.lang.clock,
         job.source.lang.declares,
+        job.source.moment,
     );
     for file in map.files() {
         let _ = write!(text, " {}:{:016x}", file.name, state::checksum(&file.bytes));

@@ -79,6 +79,19 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Top-level objects in the order of the file.
     pub objects: Vec<Object>,
+    /// Animations that the file has (imports), whether one was asked for or not.
+    pub animations: Vec<AnimationInfo>,
+}
+
+/// What a file says of one of its animations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnimationInfo {
+    /// Its name, else its number from 0.
+    pub name: String,
+    /// First and last key.
+    pub seconds: [f64; 2],
+    /// What it moves: properties of nodes.
+    pub n_channels: usize,
 }
 
 impl Default for Scene {
@@ -94,6 +107,7 @@ impl Default for Scene {
             atmosphere: Vec::new(),
             lights: Vec::new(),
             objects: Vec::new(),
+            animations: Vec::new(),
         }
     }
 }

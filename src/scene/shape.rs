@@ -42,8 +42,17 @@ pub struct Mesh {
     pub colors: Vec<[f32; 4]>,
     /// More texture coordinates, for pictures that ask for them by number (imports).
     pub more_uvs: Vec<UvSet>,
-    /// Vertices at evenly spaced times over the shutter, each like `vertices`, at least 2; empty: they stand still. Path integrator alone.
-    pub motion: Vec<Vec<Vec3>>,
+    /// Places at evenly spaced times over the shutter, at least 2; empty: it stands still. Path integrator alone.
+    pub motion: Vec<MeshStep>,
+}
+
+/// Where a mesh is at one time of the shutter.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshStep {
+    /// Like `Mesh::vertices`.
+    pub vertices: Vec<Vec3>,
+    /// Like `Mesh::normals`, unit; empty: those at rest.
+    pub normals: Vec<Vec3>,
 }
 
 /// Texture coordinates of a mesh.

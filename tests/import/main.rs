@@ -1,5 +1,6 @@
 //! glTF and OBJ files, small and written here, through `import::load` as `rayloom render` calls it.
 
+mod animation;
 mod broken;
 mod files;
 mod gltf;

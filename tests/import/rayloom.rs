@@ -236,7 +236,7 @@ fn hair_grids_motion_and_switches_arrive() {
     assert_eq!(traits.motion[2].point(DVec3::ZERO), DVec3::X);
     let passes: Vec<Pass> = s.settings.path.passes.iter().collect();
     assert_eq!(passes, [Pass::Depth, Pass::GlossyDirect, Pass::GlossyColor], "mist is left out");
-    assert_eq!(mesh(&s, 1).motion[2][0], Vec3::from_slice(&SQUARE[..3]) + 1.0);
+    assert_eq!(mesh(&s, 1).motion[2].vertices[0], Vec3::from_slice(&SQUARE[..3]) + 1.0);
     let shader = material(&s, 1).shader.as_ref().expect("a shader");
     assert!(shader.surface.is_none(), "a hull of a volume has no surface");
     let density = shader.volume.as_ref().expect("a volume").density.as_ref().expect("a grid");

@@ -4,10 +4,11 @@ use super::super::ImportError;
 use super::Document;
 use super::accessor::Accessor;
 use super::rayloom::{Extension, vertex_motion};
+use super::skin::Bones;
 use crate::diag::Sink;
-use crate::math::Vec3;
+use crate::math::{DAffine3, Vec3};
 use crate::scene::Mesh;
-use crate::scene::shape::UvSet;
+use crate::scene::shape::{MeshStep, UvSet};
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 
@@ -35,10 +36,21 @@ pub(super) struct Wanted<'a, 'd> {
     pub uv_set: u32,
     /// The sets after the first, too.
     pub all_uvs: bool,
-    /// Of morph targets.
-    pub weights: &'a [f32],
+    /// How it is bent.
+    pub form: Form<'a>,
+    /// How it is bent at evenly spaced times over the shutter, or empty.
+    pub steps: &'a [Form<'a>],
     /// Knows of motion.
     pub extension: Option<&'a Extension<'d>>,
+}
+
+/// What bends a primitive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Form<'a> {
+    /// Of morph targets.
+    pub weights: &'a [f32],
+    /// World from bind space by joint, of a skin.
+    pub joints: Option<&'a [DAffine3]>,
 }
 
 /// The triangles of a primitive; `None` for points, lines and what has no faces left.
@@ -96,7 +108,7 @@ pub(super) fn triangles(
     let used = used.as_deref();
     let n_used = used.map_or(n, <[u32]>::len);
     budget.take(doc, n_used)?;
-    let mut vertices: Vec<Vec3> = gathered(&positions, used, 0.0).into_iter().map(Vec3::from_array).collect();
+    let vertices: Vec<Vec3> = gathered(&positions, used, 0.0).into_iter().map(Vec3::from_array).collect();
     let same_count = |s: Semantic, kinds: &[usize]| -> Result<Option<Accessor>, ImportError> {
         let Some(ix) = attribute(s) else { return Ok(None) };
         let a = Accessor::new(doc, ix, kinds, place)?;
@@ -106,11 +118,31 @@ pub(super) fn triangles(
             Err(doc.invalid(place(), format!("accessor {ix} has {} elements, the positions {n}", a.count)))
         }
     };
-    let mut normals: Vec<Vec3> = match same_count(Semantic::Normals, &[3])? {
+    let normals: Vec<Vec3> = match same_count(Semantic::Normals, &[3])? {
         Some(a) => gathered(&a, used, 0.0).into_iter().map(|n| Vec3::from_array(n).try_normalize().unwrap_or(Vec3::ZERO)).collect(),
         None => Vec::new(),
     };
-    morph(doc, primitive, place, wanted.weights, used, &mut vertices, &mut normals)?;
+    let bones = match wanted.form.joints {
+        Some(joints) => Some(
+            Bones::new(doc, primitive, place, used, n, joints.len())?
+                .ok_or_else(|| doc.invalid(place(), "a node shows it with a skin, but its vertices hang on no joints"))?,
+        ),
+        None => None,
+    };
+    let bent = |form: &Form| -> Result<MeshStep, ImportError> {
+        let (mut vertices, mut normals) = (vertices.clone(), normals.clone());
+        morph(doc, primitive, place, form.weights, used, &mut vertices, &mut normals)?;
+        if let (Some(bones), Some(joints)) = (&bones, form.joints) {
+            bones.bend(joints, &mut vertices, &mut normals);
+        }
+        Ok(MeshStep { vertices, normals })
+    };
+    budget.take(doc, n_used.saturating_mul(wanted.steps.len()))?;
+    let mut motion = wanted.steps.iter().map(&bent).collect::<Result<Vec<_>, _>>()?;
+    if motion.windows(2).all(|w| w[0] == w[1]) {
+        motion.clear();
+    }
+    let MeshStep { vertices, normals } = bent(&wanted.form)?;
     if let Some(bad) = vertices.iter().position(|v| !v.is_finite()) {
         let v = vertices[bad];
         let vertex = used.map_or(bad, |u| u[bad] as usize);
@@ -131,10 +163,13 @@ pub(super) fn triangles(
         }
         set += 1;
     }
-    let motion = match wanted.extension {
-        Some(e) => vertex_motion(e, primitive, place, used, vertices.len(), sink)?,
-        None => Vec::new(),
-    };
+    if let Some(e) = wanted.extension {
+        let own = vertex_motion(e, primitive, place, used, vertices.len(), sink)?;
+        motion = if own.is_empty() { motion } else { own };
+    }
+    if motion.iter().flat_map(|s| &s.vertices).any(|v| !v.is_finite()) {
+        return Err(doc.invalid(place(), "its motion takes a vertex beyond all numbers"));
+    }
     let colors = match same_count(Semantic::Colors(0), &[3, 4])? {
         Some(a) => gathered(&a, used, 1.0),
         None => Vec::new(),

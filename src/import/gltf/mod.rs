@@ -2,6 +2,7 @@
 //! crate's own checks index before they look.
 
 mod accessor;
+mod animation;
 mod bake;
 mod camera;
 mod container;
@@ -11,7 +12,9 @@ mod light;
 mod material;
 mod mesh;
 mod nodes;
+mod pose;
 mod rayloom;
+mod skin;
 
 use super::files::{self, Target};
 use super::{ImportError, ImportOptions, Imported};
@@ -91,9 +94,6 @@ pub(super) fn load(path: &Path, bytes: &[u8], options: &ImportOptions, sink: &mu
     }
     if root.extensions_used.iter().any(|e| e == "KHR_materials_variants") {
         sink.note_once("gltf: variants", None, "the file has variants of its materials; the default ones are shown");
-    }
-    if !root.animations.is_empty() {
-        sink.note_once("gltf: animation", None, "animations are left out; nodes stand as the file places them");
     }
     let buffers = buffers(path, &root, bin)?;
     nodes::scene(&Document { path, root: &root, buffers }, options, sink)

@@ -2,23 +2,25 @@
 
 use super::super::{ImportError, ImportOptions, Imported};
 use super::Document;
+use super::animation;
 use super::camera::camera;
 use super::instancing::instances;
 use super::light::{Units, light};
 use super::material::{Cover, covers};
-use super::mesh::{Budget, MAX_VERTICES, Wanted, triangles};
+use super::mesh::{Budget, Form, MAX_VERTICES, Wanted, triangles};
+use super::pose::{Pose, Tree};
 use super::rayloom::{self, Extension, NodeTraits};
+use super::skin::joints;
 use crate::diag::Sink;
-use crate::math::{DAffine3, DMat3, DVec3, Transform};
+use crate::math::{DAffine3, Transform};
 use crate::scene::object::PathTraits;
 use crate::scene::{Mesh, Object, Scene, Shape};
 use ::gltf::json;
-use glam::DQuat;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Deepest nesting of nodes. Rigs reach some tens; Blender's own limit of parents is lower.
-const MAX_DEPTH: usize = 1000;
+/// Steps of an animation over the shutter: what turns between two of them is followed along the chord.
+const SHUTTER_STEPS: usize = 5;
 /// Most placed primitives: few nodes and few meshes of many primitives multiply.
 pub(super) const MAX_INSTANCES: usize = 1 << 24;
 
@@ -28,8 +30,8 @@ struct Part {
     material: usize,
 }
 
-/// Meshes made so far, by index and morph weights of the node that showed them.
-type Parts = HashMap<(usize, Vec<u32>), Arc<[Part]>>;
+/// Meshes made so far, by index, skin, and morph weights of all steps of the node that showed them.
+type Parts = HashMap<(usize, Option<usize>, Vec<u32>), Arc<[Part]>>;
 
 struct Builder<'a> {
     doc: &'a Document<'a>,
@@ -42,6 +44,10 @@ struct Builder<'a> {
     has_camera: bool,
     /// What Blender's exporter says besides.
     extension: Option<Extension<'a>>,
+    /// Where nodes are.
+    pose: Pose,
+    /// The same at evenly spaced times over the shutter, if something is animated meanwhile.
+    steps: Vec<Pose>,
     sink: &'a mut Sink,
 }
 
@@ -62,65 +68,27 @@ pub(super) fn scene(doc: &Document, options: &ImportOptions, sink: &mut Sink) ->
     if doc.root.scenes.len() > 1 {
         sink.note_once("gltf: scenes", None, format!("the file has {} scenes; one is shown", doc.root.scenes.len()));
     }
-    let mut b = Builder { doc, options, units, covers, parts: Parts::new(), budget, scene, has_camera: false, extension, sink };
-    b.walk(roots(doc)?)?;
+    let tree = Tree::new(doc)?;
+    let clip = animation::chosen(doc, options, sink)?;
+    scene.animations = animation::list(doc);
+    // The root that turns Blender's axes to glTF's is left out: the scene stays in Blender's.
+    let still = extension.as_ref().map(|e| e.root);
+    let now = options.time.unwrap_or(0.0);
+    let pose = |seconds: f64| Pose::new(doc, &tree, clip.as_ref().map(|c| (c, seconds)), still);
+    let times = extension.as_ref().filter(|_| clip.is_some()).map_or_else(Vec::new, |e| e.shutter.times(SHUTTER_STEPS));
+    let steps = times.into_iter().map(|t| pose(now + t / options.fps)).collect::<Result<Vec<_>, _>>()?;
+    let pose = pose(now)?;
+    let mut b =
+        Builder { doc, options, units, covers, parts: Parts::new(), budget, scene, has_camera: false, extension, pose, steps, sink };
+    for (ix, _) in &tree.order {
+        b.node(*ix, &doc.root.nodes[*ix])?;
+    }
     Ok(Imported { scene: b.scene, has_camera: b.has_camera })
 }
 
-fn roots(doc: &Document) -> Result<Vec<usize>, ImportError> {
-    let root = doc.root;
-    if let Some(ix) = root.scene.map(|s| s.value()).or((!root.scenes.is_empty()).then_some(0)) {
-        let scene = doc.get(&root.scenes, ix, "scene", || "the default scene".into())?;
-        return Ok(scene.nodes.iter().map(|n| n.value()).collect());
-    }
-    let mut has_parent = vec![false; root.nodes.len()];
-    for child in root.nodes.iter().flat_map(|n| n.children.iter().flatten()) {
-        if let Some(h) = has_parent.get_mut(child.value()) {
-            *h = true;
-        }
-    }
-    Ok((0..has_parent.len()).filter(|k| !has_parent[*k]).collect())
-}
-
-/// The node's own transform.
-fn local(node: &json::Node) -> DAffine3 {
-    let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-    if let Some(m) = &node.matrix {
-        let column = |k: usize| wide([m[4 * k], m[4 * k + 1], m[4 * k + 2]]);
-        return DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) };
-    }
-    let q = DQuat::from_array(node.rotation.unwrap_or_default().0.map(f64::from));
-    let rotation = if q.length_squared() > 0.0 { q.normalize() } else { DQuat::IDENTITY };
-    DAffine3::from_scale_rotation_translation(node.scale.map_or(DVec3::ONE, wide), rotation, node.translation.map_or(DVec3::ZERO, wide))
-}
-
 impl Builder<'_> {
-    fn walk(&mut self, roots: Vec<usize>) -> Result<(), ImportError> {
-        let doc = self.doc;
-        let path = || doc.path.to_owned();
-        let mut reached = vec![false; doc.root.nodes.len()];
-        let mut waiting: Vec<(usize, DAffine3, usize)> = roots.into_iter().rev().map(|n| (n, DAffine3::IDENTITY, 1)).collect();
-        while let Some((ix, parent, depth)) = waiting.pop() {
-            let node = doc.get(&doc.root.nodes, ix, "node", || "the tree of nodes".into())?;
-            if std::mem::replace(&mut reached[ix], true) {
-                return Err(ImportError::NodeReachedTwice { path: path(), node: ix });
-            }
-            if depth > MAX_DEPTH {
-                return Err(ImportError::TooDeep { path: path(), node: ix, limit: MAX_DEPTH });
-            }
-            // The root that turns Blender's axes to glTF's is left out: the scene stays in Blender's.
-            let turns_axes = self.extension.as_ref().is_some_and(|e| e.root == ix);
-            let world = if turns_axes { parent } else { parent * local(node) };
-            if !world.is_finite() {
-                return Err(doc.invalid(format!("node {ix}"), "its transform is not finite"));
-            }
-            self.node(ix, node, &world)?;
-            waiting.extend(node.children.iter().flatten().rev().map(|c| (c.value(), world, depth + 1)));
-        }
-        Ok(())
-    }
-
-    fn node(&mut self, ix: usize, node: &json::Node, world: &DAffine3) -> Result<(), ImportError> {
+    fn node(&mut self, ix: usize, node: &json::Node) -> Result<(), ImportError> {
+        let world = &self.pose.world(ix).expect("the tree's nodes have places");
         let others = node.extensions.as_ref().map(|e| &e.others);
         let instances = instances(self.doc, ix, node, self.sink)?;
         let n_places = instances.as_ref().map_or(1, Vec::len);
@@ -128,19 +96,21 @@ impl Builder<'_> {
             (Some(e), Some(value)) => e.node(ix, value, n_places, self.sink)?,
             _ => NodeTraits::default(),
         };
+        let animated = self.animated(ix);
         // Of the node itself; that of instances is theirs alone.
-        let motion: &[DAffine3] = if instances.is_none() { &traits.motion } else { &[] };
+        let motion: &[DAffine3] = if instances.is_none() && !traits.motion.is_empty() { &traits.motion } else { &animated };
         if let Some(mesh) = node.mesh {
-            if node.skin.is_some() {
-                self.sink.note_once("gltf: skins", None, "skins are left out; meshes stand in their bind pose");
-            }
-            let parts = self.parts(mesh.value(), node.weights.as_deref())?;
+            let parts = self.parts(ix, mesh.value(), node)?;
             let covered: Vec<_> = parts.iter().map(|p| (Shape::Mesh(p.mesh.clone()), self.covers[p.material].clone())).collect();
             match &instances {
+                // A skin takes vertices to the world, wherever its node is.
+                _ if node.skin.is_some() => self.place(ix, node, &[DAffine3::IDENTITY], &traits, &[], &covered)?,
                 None => self.place(ix, node, &[*world], &traits, motion, &covered)?,
                 Some(own) => {
                     let places: Vec<DAffine3> = own.iter().map(|m| *world * *m).collect();
-                    self.place(ix, node, &places, &traits, &traits.motion, &covered)?;
+                    let moved: Vec<DAffine3> = own.iter().flat_map(|m| animated.iter().map(move |w| *w * *m)).collect();
+                    let motion = if traits.motion.is_empty() { &moved } else { &traits.motion };
+                    self.place(ix, node, &places, &traits, motion, &covered)?;
                 }
             }
         }
@@ -158,6 +128,12 @@ impl Builder<'_> {
             self.camera(ix, c.value(), world, motion)?;
         }
         Ok(())
+    }
+
+    /// The world matrices of a node over the shutter; empty where it stands still.
+    fn animated(&self, ix: usize) -> Vec<DAffine3> {
+        let all: Vec<DAffine3> = self.steps.iter().filter_map(|p| p.world(ix)).collect();
+        if all.windows(2).all(|w| w[0] == w[1]) { Vec::new() } else { all }
     }
 
     fn camera(&mut self, node: usize, ix: usize, world: &DAffine3, motion: &[DAffine3]) -> Result<(), ImportError> {
@@ -229,15 +205,24 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The primitives of a mesh, made once for each set of morph weights.
-    fn parts(&mut self, mesh_ix: usize, weights: Option<&[f32]>) -> Result<Arc<[Part]>, ImportError> {
+    /// The primitives of a mesh as a node shows it, made once for each skin and set of morph weights.
+    fn parts(&mut self, node_ix: usize, mesh_ix: usize, node: &json::Node) -> Result<Arc<[Part]>, ImportError> {
         let doc = self.doc;
         let mesh = doc.get(&doc.root.meshes, mesh_ix, "mesh", || "a node".into())?;
-        let weights = weights.or(mesh.weights.as_deref()).unwrap_or(&[]);
-        let key = (mesh_ix, weights.iter().map(|w| w.to_bits()).collect());
+        let own = node.weights.as_deref().or(mesh.weights.as_deref()).unwrap_or(&[]);
+        let poses: Vec<&Pose> = std::iter::once(&self.pose).chain(&self.steps).collect();
+        let weights: Vec<&[f32]> = poses.iter().map(|p| p.weights(node_ix).unwrap_or(own)).collect();
+        let skin = node.skin.map(|s| s.value());
+        let key = (mesh_ix, skin, weights.iter().flat_map(|w| w.iter().map(|w| w.to_bits())).collect());
         if let Some(parts) = self.parts.get(&key) {
             return Ok(parts.clone());
         }
+        let here = || format!("node {node_ix}");
+        let joints = match skin {
+            Some(skin) => poses.iter().map(|p| joints(doc, skin, p, &here).map(Some)).collect::<Result<Vec<_>, _>>()?,
+            None => vec![None; poses.len()],
+        };
+        let forms: Vec<Form> = weights.iter().zip(&joints).map(|(weights, j)| Form { weights, joints: j.as_deref() }).collect();
         let mut list = Vec::with_capacity(mesh.primitives.len());
         for (k, primitive) in mesh.primitives.iter().enumerate() {
             let place = || match &mesh.name {
@@ -253,7 +238,8 @@ impl Builder<'_> {
                 self.sink.note_once("gltf: no material", None, "surfaces without a material are plain grey");
             }
             let cover = &self.covers[material];
-            let wanted = Wanted { uv_set: cover.uv_set, all_uvs: cover.all_uvs, weights, extension: self.extension.as_ref() };
+            let (uv_set, all_uvs) = (cover.uv_set, cover.all_uvs);
+            let wanted = Wanted { uv_set, all_uvs, form: forms[0], steps: &forms[1..], extension: self.extension.as_ref() };
             if let Some(mesh) = triangles(doc, primitive, &place, &wanted, &mut self.budget, self.sink)? {
                 list.push(Part { mesh: Arc::new(mesh), material });
             }

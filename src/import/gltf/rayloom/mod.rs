@@ -51,7 +51,8 @@ pub(super) struct Extension<'a> {
     grids: Vec<Record<'a>>,
     pictures: Pictures<'a>,
     style: CurveStyle,
-    shutter: motion::Shutter,
+    /// When the shutter is open.
+    pub shutter: motion::Shutter,
     /// Width of a pixel over its height.
     pub pixel_aspect: f64,
 }

@@ -7,17 +7,24 @@ use super::record::Record;
 use super::{Extension, NAME, part};
 use crate::diag::Sink;
 use crate::math::{DAffine3, DMat3, DVec3, Transform, Vec3};
+use crate::scene::shape::MeshStep;
 use ::gltf::json::mesh::Primitive;
 use std::sync::Arc;
 
 /// When the shutter is open, in frames from the frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shutter {
+pub(in super::super) struct Shutter {
     pub open: f64,
     pub close: f64,
 }
 
 impl Shutter {
+    /// When steps `0..n` are, in frames from the frame; empty when it is open for no time.
+    pub fn times(&self, n: usize) -> Vec<f64> {
+        let at = |k: usize| self.open + (self.close - self.open) * k as f64 / (n - 1).max(1) as f64;
+        if self.close > self.open { (0..n).map(at).collect() } else { Vec::new() }
+    }
+
     /// Whether `times` are evenly spaced from open to close.
     fn fits(&self, times: &[f64]) -> bool {
         let n = times.len();
@@ -76,24 +83,40 @@ pub(in super::super) fn vertex_motion(
     used: Option<&[u32]>,
     n_vertices: usize,
     sink: &mut Sink,
-) -> Result<Vec<Vec<Vec3>>, ImportError> {
+) -> Result<Vec<MeshStep>, ImportError> {
     let Some(value) = part(primitive.extensions.as_ref().map(|e| &e.others)) else { return Ok(Vec::new()) };
     let r = Record::new(e.doc, value, format!("{}: extensions.{NAME}", place()))?;
     let motion = r.record("motion")?;
     r.finish()?;
     let Some(m) = motion else { return Ok(Vec::new()) };
     let n = times(&m, &e.shutter, sink)?;
-    let steps = m.list("positions")?;
-    m.get("normals");
+    let (positions, normals) = (indices(&m, "positions")?, indices(&m, "normals")?);
     m.finish()?;
     let Some(n) = n else { return Ok(Vec::new()) };
-    if steps.len() != n {
-        return Err(m.wrong("positions", format!("there are {} accessors for {n} times", steps.len())));
+    for (key, list) in [("positions", &positions), ("normals", &normals)] {
+        if list.len() != n && !(key == "normals" && list.is_empty()) {
+            return Err(m.wrong(key, format!("there are {} accessors for {n} times", list.len())));
+        }
     }
-    steps.iter().map(|ix| positions(e.doc, *ix as usize, place, used, n_vertices)).collect()
+    let step = |k: usize| -> Result<MeshStep, ImportError> {
+        let vertices = vectors(e.doc, positions[k], place, used, n_vertices)?;
+        let normals = match normals.get(k) {
+            Some(ix) => vectors(e.doc, *ix, place, used, n_vertices)?.into_iter().map(|n| n.normalize_or_zero()).collect(),
+            None => Vec::new(),
+        };
+        Ok(MeshStep { vertices, normals })
+    };
+    (0..n).map(step).collect()
 }
 
-fn positions(
+/// A list of accessors.
+fn indices(r: &Record, key: &str) -> Result<Vec<usize>, ImportError> {
+    let index = |v: f64| (v >= 0.0 && v.fract() == 0.0).then_some(v as usize);
+    let list = r.list(key)?.into_iter().map(index).collect::<Option<Vec<_>>>();
+    list.ok_or_else(|| r.wrong(key, "it must be a list of accessors"))
+}
+
+fn vectors(
     doc: &Document,
     ix: usize,
     place: &dyn Fn() -> String,
