@@ -21,6 +21,7 @@ pub mod compile; // rank 6
 pub mod film;
 pub mod kernel; // rank 7
 
+pub mod denoise;
 pub mod integrate; // rank 8
 
 pub mod backend; // rank 9

@@ -16,6 +16,7 @@ const RANKS: &[(&str, u8)] = &[
     ("compile", 6),
     ("kernel", 7),
     ("film", 7),
+    ("denoise", 8),
     ("integrate", 8),
     ("backend", 9),
     ("compare", 10),

@@ -12,8 +12,8 @@ import bpy
 import numpy as np
 
 from .bridge.scene import Exporter
-from .bridge.settings import border_of, picture_size, settings_of, wanted_passes
-from .core import exr, log, passes, process, program
+from .bridge.settings import border_of, denoiser_record, denoises, picture_size, settings_of, wanted_passes
+from .core import denoiser, exr, log, passes, process, program
 from .exporting import generator
 from .preferences import preferences
 
@@ -39,13 +39,25 @@ def forget_folder():
         _folder = None
 
 
-def command_line(path, scene, source, target, live):
+def denoise_options(scene, view_layer):
+    """The renderer's options for denoising: always said, so that a missing library is an error and no noisy picture passes for a clean one."""
+    if not denoises(scene, view_layer) or scene.rayloom.integrator != "PATH":
+        return ["--no-denoise"]
+    wanted = denoiser_record(settings_of(scene))
+    guides = "albedo-normal" if wanted["guides"] == "albedoNormal" else wanted["guides"]
+    out = ["--denoise", "--denoise-guides", guides, "--denoise-prefilter", wanted["prefilter"], "--denoise-quality", wanted["quality"]]
+    library = denoiser.find(os.path.dirname(bpy.utils.resource_path("LOCAL")), bpy.app.binary_path)
+    return out + (["--denoise-library", library] if library else [])
+
+
+def command_line(path, scene, source, target, live, view_layer=None):
     """The renderer's command for a scene's settings; `live` gets the picture so far."""
     render, settings, own = scene.render, settings_of(scene), scene.rayloom
     width, height = picture_size(render)
     samples = settings.samples
     out = [path, "render", source, "-o", target, "--size", f"{width}x{height}", "--spp", str(max(1, samples))]
     out += ["--progress", "json", "--stop-with-stdin", "--live", live]
+    out += denoise_options(scene, view_layer)
     out += ["--integrator", own.integrator.lower(), "--accel", own.accelerator.lower()]
     out += ["--device", own.gpu] if own.device == "GPU" and own.gpu else ["--backend", own.device.lower()]
     border = border_of(render)
@@ -84,7 +96,9 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
     def update_render_passes(self, scene=None, renderlayer=None):
         """Tells Blender which passes come."""
         ranks = getattr(renderlayer, "pass_cryptomatte_depth", 6)
-        for name, channels, kind in passes.registered(wanted_passes(renderlayer), ranks):
+        keeps_noise = getattr(getattr(renderlayer, "cycles", None), "denoising_store_passes", False) and denoises(scene, renderlayer)
+        more = passes.DENOISING_DATA if keeps_noise else ()
+        for name, channels, kind in passes.registered(wanted_passes(renderlayer), ranks, more):
             self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
 
     def render(self, depsgraph):
@@ -128,7 +142,7 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
         for old in filter(os.path.exists, (target, live)):
             os.unlink(old)
         told = {e for pair in exporter.log.entries for e in [f"{pair[0]}: {pair[1]}"]}
-        self.child = process.Renderer(command_line(path, scene, source, target, live), folder)
+        self.child = process.Renderer(command_line(path, scene, source, target, live, depsgraph.view_layer), folder)
         so_far = None if bpy.app.background and not SHOW_IN_BACKGROUND else LiveResult(self, live, scene, depsgraph)
         try:
             finished = process.drive(self.child, lambda event: self._event(event, told, so_far), self.test_break)
@@ -172,6 +186,8 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
         elif kind == "rendering":
             self._say(f"Rendering on {event.get('device', '')}", 0.0)
             log.add("note", "", f"rendered on {event.get('device', '')}")
+        elif kind == "denoising":
+            self._say("Denoising", event.get("share") or 0.0)
         elif kind in {"loading", "compiling", "writing"}:
             self._say(kind.capitalize(), 0.0 if kind != "writing" else 1.0)
         elif kind == "diagnostic" and event.get("message") not in told:

@@ -60,7 +60,28 @@ class RayloomSettings(bpy.types.PropertyGroup):
     adaptive_threshold: FloatProperty(name="Noise Threshold", default=0.01, min=0.0, max=1.0, precision=4)
     adaptive_min_samples: IntProperty(name="Min Samples", default=0, min=0)
     time_limit: FloatProperty(name="Time Limit", default=0.0, min=0.0, unit="TIME_ABSOLUTE")
-    use_denoising: BoolProperty(name="Denoise", default=False)
+    use_denoising: BoolProperty(name="Denoise", description="Denoise the finished picture with Intel Open Image Denoise, which Blender brings", default=False)
+    denoising_input_passes: EnumProperty(
+        name="Passes",
+        description="What guides the denoiser besides the colours",
+        items=[("RGB", "None", "Colours alone"), ("RGB_ALBEDO", "Albedo", ""), ("RGB_ALBEDO_NORMAL", "Albedo and Normal", "")],
+        default="RGB_ALBEDO_NORMAL",
+    )
+    denoising_prefilter: EnumProperty(
+        name="Prefilter",
+        description="What is done about noise in the guides",
+        items=[
+            ("NONE", "None", "They are taken for clean"),
+            ("FAST", "Fast", "They are denoised with the colours"),
+            ("ACCURATE", "Accurate", "They are denoised first"),
+        ],
+        default="ACCURATE",
+    )
+    denoising_quality: EnumProperty(
+        name="Quality",
+        items=[("HIGH", "High", ""), ("BALANCED", "Balanced", ""), ("FAST", "Fast", "")],
+        default="HIGH",
+    )
     max_bounces: IntProperty(name="Total", default=12, min=0, max=1024)
     diffuse_bounces: IntProperty(name="Diffuse", default=4, min=0, max=1024)
     glossy_bounces: IntProperty(name="Glossy", default=4, min=0, max=1024)

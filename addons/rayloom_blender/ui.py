@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panels, where Cycles' sit, and the panels of Blender and of Cycles that apply."""
 
+import os
+
 import bpy
 
 from .bridge.settings import settings_of
-from .core import log
+from .core import denoiser, log
 
 ENGINE = "RAYLOOM"
 
@@ -75,7 +77,28 @@ class RAYLOOM_RENDER_PT_sampling(_Panel, bpy.types.Panel):
         if settings.use_adaptive_sampling:
             column.prop(settings, "adaptive_threshold")
             column.prop(settings, "adaptive_min_samples")
-        column.prop(settings, "use_denoising")
+
+
+class RAYLOOM_RENDER_PT_denoise(_Panel, bpy.types.Panel):
+    """Denoise."""
+
+    bl_label = "Denoise"
+    bl_parent_id = "RAYLOOM_RENDER_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context):
+        self.layout.prop(settings_of(context.scene), "use_denoising", text="")
+
+    def draw(self, context):
+        settings = settings_of(context.scene)
+        column = self.props(context, "denoising_input_passes")
+        column.active = settings.use_denoising
+        if settings.denoising_input_passes != "RGB":
+            column.prop(settings, "denoising_prefilter")
+        if hasattr(settings, "denoising_quality"):
+            column.prop(settings, "denoising_quality")
+        if denoiser.find(os.path.dirname(bpy.utils.resource_path("LOCAL")), bpy.app.binary_path) is None:
+            column.label(text="This Blender has no Open Image Denoise", icon="ERROR")
 
 
 class RAYLOOM_RENDER_PT_light_paths(_Panel, bpy.types.Panel):
@@ -188,6 +211,7 @@ CLASSES = (
     RAYLOOM_OT_copy_log,
     RAYLOOM_RENDER_PT_device,
     RAYLOOM_RENDER_PT_sampling,
+    RAYLOOM_RENDER_PT_denoise,
     RAYLOOM_RENDER_PT_light_paths,
     RAYLOOM_RENDER_PT_clamping,
     RAYLOOM_RENDER_PT_caustics,

@@ -23,7 +23,9 @@ pub(super) fn render_paths(
     cancel: &AtomicBool,
 ) -> Result<(), BackendError> {
     let plan = pool.install(|| {
-        PathPlan::new(scene, settings.width, settings.height, settings.seed, settings.output_alpha).with_passes(settings.passes)
+        PathPlan::new(scene, settings.width, settings.height, settings.seed, settings.output_alpha)
+            .with_passes(settings.passes)
+            .features_only(settings.features_only)
     });
     let run = Run { plan: &plan, progress, cancel };
     pool.install(|| match &settings.noise {

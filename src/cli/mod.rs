@@ -2,6 +2,7 @@
 
 mod bench;
 mod console;
+mod denoise;
 mod diff;
 mod diff_outcome;
 mod info;
@@ -39,6 +40,8 @@ enum Command {
     Povray(povray::PovrayArgs),
     /// Compares two pictures, or two folders of them
     Diff(diff::DiffArgs),
+    /// Denoises a picture that was rendered before
+    Denoise(denoise::DenoiseArgs),
     /// Joins parts of a picture that were rendered apart
     Merge(merge::MergeArgs),
     /// Renders the scenes of a suite and holds them against their reference pictures
@@ -62,6 +65,7 @@ pub fn run() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Povray(args) => povray::run(&args),
         Command::Diff(args) => diff::run(args),
+        Command::Denoise(args) => denoise::run(&args),
         Command::Merge(args) => merge::run(args),
         Command::Suite(args) => suite::run(&args),
         Command::Bench(args) => bench::run(&args),

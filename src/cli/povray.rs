@@ -232,7 +232,7 @@ impl Listener for PovListener<'_> {
                 let resumed = if *resumed_pixels > 0 { format!(", {resumed_pixels} pixels from an earlier run") } else { String::new() };
                 self.streams.write(StreamKind::Render, &format!("{}  {device}{resumed}\n", rule("Rendering...")));
             }
-            Stage::Compiling | Stage::Writing => {}
+            Stage::Compiling | Stage::Denoising | Stage::Writing => {}
         }
     }
 

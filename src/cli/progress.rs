@@ -69,6 +69,17 @@ impl ProgressView {
         }
     }
 
+    /// So much of the denoising is done, 0..1.
+    pub fn denoised(&self, share: f64) {
+        if let Some(last) = &self.json
+            && let Ok(mut last) = last.lock()
+            && last.elapsed() >= JSON_PAUSE
+        {
+            *last = Instant::now();
+            self.event(&serde_json::json!({"event": "denoising", "share": (share * 1e3).round() / 1e3}));
+        }
+    }
+
     /// One JSON line, when JSON was asked for.
     pub fn event(&self, event: &serde_json::Value) {
         if self.json.is_some() {

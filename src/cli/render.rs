@@ -6,6 +6,7 @@ use super::live::LivePicture;
 use super::progress::{ProgressKind, ProgressView};
 use clap::{Args, ValueEnum};
 use rayloom::accel::AccelKind;
+use rayloom::denoise::{DenoiseQuality, DenoiseSettings, Guides, Prefilter};
 use rayloom::diag::{Diagnostic, SourceMap, Style, render};
 use rayloom::film::{FileFormat, FileGamma, Film};
 use rayloom::integrate::{Antialias, IntegratorKind, NoiseLimit};
@@ -60,6 +61,24 @@ pub struct RenderArgs {
     /// Fewest samples of a pixel with a noise threshold [default: by the threshold, 64 at 0.01]
     #[arg(long, value_name = "N", requires = "noise_threshold", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     min_spp: Option<u32>,
+    /// Denoise the finished picture with Intel Open Image Denoise (docs/denoise.md) [default: what the scene asks for]
+    #[arg(long, conflicts_with = "no_denoise")]
+    denoise: bool,
+    /// Leave the picture noisy, whatever the scene asks for
+    #[arg(long)]
+    no_denoise: bool,
+    /// What guides the denoiser besides the colours
+    #[arg(long, value_enum, value_name = "WHAT", default_value_t = GuidesArg::AlbedoNormal, requires = "denoise")]
+    denoise_guides: GuidesArg,
+    /// What is done about noise in the guides: nothing, little, denoise them first
+    #[arg(long, value_enum, value_name = "HOW", default_value_t = PrefilterArg::Accurate, requires = "denoise")]
+    denoise_prefilter: PrefilterArg,
+    /// The denoiser's quality against its time
+    #[arg(long, value_enum, value_name = "Q", default_value_t = QualityArg::High, requires = "denoise")]
+    denoise_quality: QualityArg,
+    /// The library libOpenImageDenoise, or the folder that it is in [default: $RAYLOOM_OIDN, beside the program, the system's]
+    #[arg(long, value_name = "PATH")]
+    denoise_library: Option<PathBuf>,
     /// POV-Ray's antialiasing of scenes: off, or a threshold from 0 to 1
     #[arg(long, value_name = "T", default_value = "0.3", value_parser = parse_antialias)]
     antialias: AntialiasArg,
@@ -143,6 +162,48 @@ enum IntegratorArg {
     Auto,
     Classic,
     Path,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum GuidesArg {
+    None,
+    Albedo,
+    AlbedoNormal,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum PrefilterArg {
+    None,
+    Fast,
+    Accurate,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum QualityArg {
+    High,
+    Balanced,
+    Fast,
+}
+
+/// The settings of these words.
+pub(super) fn denoise_settings(guides: GuidesArg, prefilter: PrefilterArg, quality: QualityArg) -> DenoiseSettings {
+    DenoiseSettings {
+        guides: match guides {
+            GuidesArg::None => Guides::None,
+            GuidesArg::Albedo => Guides::Albedo,
+            GuidesArg::AlbedoNormal => Guides::AlbedoNormal,
+        },
+        prefilter: match prefilter {
+            PrefilterArg::None => Prefilter::None,
+            PrefilterArg::Fast => Prefilter::Fast,
+            PrefilterArg::Accurate => Prefilter::Accurate,
+        },
+        quality: match quality {
+            QualityArg::High => DenoiseQuality::High,
+            QualityArg::Balanced => DenoiseQuality::Balanced,
+            QualityArg::Fast => DenoiseQuality::Fast,
+        },
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -266,6 +327,7 @@ fn report(args: &RenderArgs, job: &Job, o: &Outcome, view: &ProgressView) -> Res
     let stats = serde_json::json!({
         "scene": job.source.path, "output": o.written, "device": o.device,
         "width": job.render.width, "height": job.render.height,
+        "denoised": o.denoised.as_ref().map(|d| &d.0), "denoise_seconds": o.denoised.as_ref().map(|d| d.1),
         "objects": o.counts[0], "primitives": o.counts[1], "lights": o.counts[2],
         "seconds": {"load": load, "compile": compile, "render": trace, "write": write},
         "peak_memory_bytes": rayloom::memory::peak(), "version": env!("CARGO_PKG_VERSION"),
@@ -386,6 +448,9 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
     job.passes = args.passes;
     let limit = |threshold| (threshold > 0.0).then_some(NoiseLimit { threshold, min_samples: args.min_spp.unwrap_or(0) });
     job.noise = args.noise_threshold.map(limit);
+    let wanted = denoise_settings(args.denoise_guides, args.denoise_prefilter, args.denoise_quality);
+    job.denoise = if args.no_denoise { Some(None) } else { args.denoise.then_some(Some(wanted)) };
+    job.denoise_library = args.denoise_library.clone();
     Ok(job)
 }
 
@@ -405,6 +470,7 @@ impl Listener for RenderListener {
                 self.interrupt.rendering.store(true, Ordering::SeqCst);
                 self.view.event(&serde_json::json!({"event": "rendering", "device": device, "resumed_pixels": resumed_pixels}));
             }
+            Stage::Denoising => self.view.event(&serde_json::json!({"event": "denoising", "share": 0.0})),
             Stage::Writing => self.view.event(&serde_json::json!({"event": "writing"})),
         }
     }
@@ -424,6 +490,10 @@ impl Listener for RenderListener {
 
     fn pixels(&self, done: u64, total: u64) {
         self.view.pixels(done, total);
+    }
+
+    fn denoised(&self, share: f64) {
+        self.view.denoised(share);
     }
 
     fn picture(&self, film: &Film) {

@@ -44,7 +44,11 @@ fn window(film: &Film) -> [usize; 4] {
 pub(super) fn encode(film: &Film, encoding: &Encoding, metadata: &Metadata) -> Result<Vec<u8>, FilmError> {
     let [x0, y0, x1, y1] = window(film);
     let indices: Vec<usize> = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * film.width as usize + x)).collect();
-    let plane = |value: &dyn Fn(&[f32; 4]) -> f32| FlatSamples::F32(indices.iter().map(|i| value(&film.pixels[*i])).collect());
+    let (noisy, shown) = (film, film.shown());
+    let film = &*shown;
+    let plane_of =
+        |film: &Film, value: &dyn Fn(&[f32; 4]) -> f32| FlatSamples::F32(indices.iter().map(|i| value(&film.pixels[*i])).collect());
+    let plane = |value: &dyn Fn(&[f32; 4]) -> f32| plane_of(film, value);
     let is_multilayer = !film.layers.is_empty();
     let named = |c: &str| if is_multilayer { exr_layers::color_channel(c) } else { c.to_owned() };
     let color = |k: usize, c: &str| AnyChannel::new(named(c).as_str(), plane(&|p| encoding.linear(p[k])));
@@ -53,6 +57,13 @@ pub(super) fn encode(film: &Film, encoding: &Encoding, metadata: &Metadata) -> R
         let counts = FlatSamples::F32(indices.iter().map(|i| film.samples[*i] as f32).collect());
         channels.push(AnyChannel::new(exr_layers::count_channel().as_str(), counts));
         channels.append(&mut exr_layers::encode(film, &indices));
+        if noisy.denoised.is_some() {
+            for (k, c) in ["R", "G", "B"].into_iter().enumerate() {
+                channels.push(AnyChannel::new(exr_layers::noisy_channel(c).as_str(), plane_of(noisy, &|p| encoding.linear(p[k]))));
+            }
+            let alpha = plane(&|p| if encoding.alpha { (1.0 - p[3]).clamp(0.0, 1.0) } else { 1.0 });
+            channels.push(AnyChannel::new(exr_layers::noisy_channel("A").as_str(), alpha));
+        }
     } else {
         channels.push(AnyChannel::new(SAMPLES, FlatSamples::U32(indices.iter().map(|i| film.samples[*i]).collect())));
     }
@@ -139,6 +150,15 @@ pub fn read_exr(path: &Path, max_pixels: u64) -> Result<Part, FilmError> {
     }
     if is_multilayer {
         exr_layers::decode(&mut film, &places, channel);
+    }
+    let noisy = |c: &str| channel(&exr_layers::noisy_channel(c));
+    if let (true, Some(r), Some(g), Some(b)) = (is_multilayer, noisy("R"), noisy("G"), noisy("B")) {
+        film.denoised = Some(film.pixels.iter().map(|p| [p[0], p[1], p[2]]).collect());
+        for (from, to) in places.iter().enumerate().filter_map(|(from, to)| Some((from, (*to)?))) {
+            for (k, plane) in [r, g, b].into_iter().enumerate() {
+                film.pixels[to][k] = plane.value_by_flat_index(from).to_f32();
+            }
+        }
     }
     let mut metadata =
         Metadata { software: layer.attributes.software_name.map_or_else(String::new, |t| t.to_string()), ..Metadata::default() };

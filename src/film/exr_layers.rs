@@ -25,6 +25,11 @@ pub(super) fn color_channel(c: &str) -> String {
     format!("{VIEW_LAYER}.Combined.{c}")
 }
 
+/// The same of the colours before denoising, where there are both.
+pub(super) fn noisy_channel(c: &str) -> String {
+    format!("{VIEW_LAYER}.Noisy Image.{c}")
+}
+
 /// Name of the channel that counts samples.
 pub(super) fn count_channel() -> String {
     format!("{VIEW_LAYER}.{}.X", Pass::SampleCount.layer())

@@ -1,7 +1,7 @@
 //! Parts of one picture, rendered apart (crops, ranges of samples), into the whole: the mean of each pixel's samples.
 
 use super::exr_file::{Part, read_exr};
-use super::{Film, FilmError, Metadata, PixelSamples};
+use super::{DENOISED, Film, FilmError, Metadata, PixelSamples};
 use crate::scene::PassSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -20,6 +20,10 @@ pub fn merge(paths: &[PathBuf], max_pixels: u64) -> Result<Part, FilmError> {
     let mut whole: Option<Whole> = None;
     for path in paths {
         let part = read_exr(path, max_pixels)?;
+        if part.film.denoised.is_none() && part.metadata.entries.iter().any(|(name, _)| name == DENOISED) {
+            let reason = "it is denoised and does not hold the noisy colours; render the parts without --denoise, merge them, and run `rayloom denoise`";
+            return Err(FilmError::Foreign { path: path.clone(), reason: reason.into() });
+        }
         match &mut whole {
             None => whole = Some(Whole::new(part)),
             Some(whole) => whole.add(part).map_err(|reason| FilmError::Foreign { path: path.clone(), reason })?,

@@ -22,7 +22,7 @@ pub use exr_file::{Part, read_exr};
 pub use format::FileFormat;
 pub use layer::{Layer, PixelSamples, add_share, write_ranks};
 pub use merge::merge;
-pub use write::{Metadata, check_writable, encode_picture, write_picture};
+pub use write::{DENOISED, Metadata, check_writable, encode_picture, write_picture};
 
 /// A picture being made: linear working-space colour and transparency, `[height][width]`, row-major, top row first.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,13 +37,22 @@ pub struct Film {
     pub samples: Vec<u32>,
     /// Passes besides the colours, in their order.
     pub layers: Vec<Layer>,
+    /// Red, green, blue of each pixel after denoising; files show them in place of those of `pixels`, and hold both where they can.
+    pub denoised: Option<Vec<[f32; 3]>>,
 }
 
 impl Film {
     /// A black film with no samples.
     pub fn new(width: u32, height: u32) -> Self {
         let n = width as usize * height as usize;
-        Self { width, height, pixels: vec![[0.0; 4]; n], samples: vec![0; n], layers: Vec::new() }
+        Self { width, height, pixels: vec![[0.0; 4]; n], samples: vec![0; n], layers: Vec::new(), denoised: None }
+    }
+
+    /// The film with its denoised colours, if there are any, in place of the noisy ones.
+    pub fn shown(&self) -> std::borrow::Cow<'_, Self> {
+        let Some(clean) = &self.denoised else { return std::borrow::Cow::Borrowed(self) };
+        let pixels = self.pixels.iter().zip(clean).map(|(p, [r, g, b])| [*r, *g, *b, p[3]]).collect();
+        std::borrow::Cow::Owned(Self { pixels, denoised: None, ..self.clone() })
     }
 
     /// Place of a pixel in the arrays.

@@ -4,6 +4,9 @@ use super::{Encoding, FileFormat, Film, FilmError, exr_file, hdr_file, png_file,
 use std::io::Write;
 use std::path::Path;
 
+/// The entry of [`Metadata`] that says how the colours were denoised.
+pub const DENOISED: &str = "denoised";
+
 /// What a file says about its picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metadata {
@@ -36,6 +39,8 @@ pub fn encode_picture(film: &Film, format: &FileFormat, encoding: &Encoding, met
     if film.width == 0 || film.height == 0 {
         return Err(FilmError::Unfit { format: format.name(), reason: "it has no pixels".into() });
     }
+    let shown = film.shown();
+    let film = if *format == FileFormat::Exr { film } else { &*shown };
     match *format {
         FileFormat::Png { bits, grayscale } => png_file::encode(film, bits, grayscale, encoding, metadata),
         FileFormat::Exr => exr_file::encode(film, encoding, metadata),

@@ -67,6 +67,8 @@ pub struct RenderSettings {
     pub passes: PassSet,
     /// Pixels below this noise get no more samples (path); none: all get all.
     pub noise: Option<NoiseLimit>,
+    /// Only what guides a denoiser (path): samples end where that is known, and have no colour.
+    pub features_only: bool,
 }
 
 impl RenderSettings {
@@ -85,6 +87,7 @@ impl RenderSettings {
             block_size: 32,
             passes: PassSet::NONE,
             noise: None,
+            features_only: false,
         }
     }
 }

@@ -43,12 +43,20 @@ pub(super) fn render(
             sink.note_once(key, None, what);
         }
     }
-    let cpu_only = (!job.render.passes.is_empty()).then_some("passes");
+    // Guides of the denoiser alone are made on the CPU afterwards.
+    let cpu_only = job.passes.is_some_and(|p| !p.is_empty()).then_some("passes");
     if let (Some(what), true) = (cpu_only, job.backend == BackendChoice::Gpu) {
         sink.note_once("fallback", None, format!("rendered on the CPU: the GPU back end does not do {what} yet"));
     }
     if job.backend != BackendChoice::Cpu && cpu_only.is_none() {
-        let result = gpu(job.backend, &job.gpu).and_then(|machine| on(machine.as_ref(), film));
+        let layers = std::mem::take(&mut film.layers);
+        let result = gpu(job.backend, &job.gpu).and_then(|machine| on(machine.as_ref(), film)).and_then(|()| match layers.is_empty() {
+            true => Ok(()),
+            false => {
+                let cpu = CpuBackend::new(job.render.threads);
+                super::denoise::render_guides(job, film, |settings, guides| cpu.render(scene, settings, guides, &(), cancel))
+            }
+        });
         match (result, job.backend) {
             (Ok(()), _) => return Ok(()),
             (Err(BackendError::Unsupported(what)), _) => {
@@ -60,6 +68,9 @@ pub(super) fn render(
             (Err(BackendError::NoDevice(_)), BackendChoice::Auto) => {}
             (Err(error), _) => return Err(error),
         }
+    }
+    if film.layer_width() == 0 && !job.render.passes.is_empty() {
+        film.layers = Film::with_passes(film.width, film.height, job.render.passes).layers;
     }
     tell(sink, map, listener);
     on(&CpuBackend::new(job.render.threads), film)

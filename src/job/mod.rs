@@ -3,6 +3,7 @@
 //! The command line decides what a [`Job`] is and prints what a [`Listener`] hears; nothing here prints or reads arguments.
 
 mod backend;
+mod denoise;
 mod load;
 mod pov;
 mod resume;
@@ -16,12 +17,14 @@ pub use write::Target;
 
 use crate::backend::{BackendError, Progress};
 use crate::compile::{CompileError, CompileOptions};
+use crate::denoise::DenoiseError;
 use crate::diag::{Diagnostic, Sink, SourceMap};
 use crate::film::{Film, FilmError};
 use crate::import::ImportError;
 use crate::integrate::{NoiseLimit, RenderSettings};
 use crate::lang::Stream;
 use crate::scene::PassSet;
+use crate::scene::denoise::DenoiseSettings;
 use crate::world::WorldError;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -48,6 +51,10 @@ pub struct Job {
     pub passes: Option<PassSet>,
     /// The noise that pixels may keep; none said: what the scene asks for. Path integrator only.
     pub noise: Option<Option<NoiseLimit>>,
+    /// Denoising of the finished picture; none said: what the scene asks for. Path integrator only.
+    pub denoise: Option<Option<DenoiseSettings>>,
+    /// The denoiser's library, or the folder that it is in; none: where it is looked for (`denoise`).
+    pub denoise_library: Option<PathBuf>,
 }
 
 /// Where a job is.
@@ -64,6 +71,8 @@ pub enum Stage {
         /// Taken over from an interrupted run.
         resumed_pixels: u64,
     },
+    /// The picture is being denoised.
+    Denoising,
     /// The picture is being written.
     Writing,
 }
@@ -78,6 +87,8 @@ pub trait Listener: Sync {
     fn text(&self, stream: Stream, text: &str);
     /// `done` of `total` pixels are finished.
     fn pixels(&self, done: u64, total: u64);
+    /// So much of the denoising is done, 0..1.
+    fn denoised(&self, _share: f64) {}
     /// The picture so far, often; most calls must return at once.
     fn picture(&self, _film: &Film) {}
 }
@@ -93,6 +104,8 @@ pub struct Outcome {
     pub written: Option<PathBuf>,
     /// Objects, primitives and lights of the scene.
     pub counts: [usize; 3],
+    /// How the picture was denoised, if it was, and the seconds that it took.
+    pub denoised: Option<(String, f64)>,
 }
 
 /// Why there is no picture, or not all of one.
@@ -116,6 +129,9 @@ pub enum JobError {
     /// The picture cannot be written.
     #[error(transparent)]
     Film(#[from] FilmError),
+    /// The picture cannot be denoised.
+    #[error(transparent)]
+    Denoise(#[from] DenoiseError),
     /// The machine failed; what was rendered is at the path, if anything could be saved.
     #[error("{error}{}", saved_note(saved.as_ref()))]
     Device {
@@ -143,7 +159,7 @@ impl JobError {
             Self::Options(_) => 2,
             Self::Scene | Self::Compile(_) | Self::Import(_) => 3,
             Self::World(_) | Self::Film(_) => 4,
-            Self::Device { .. } => 5,
+            Self::Device { .. } | Self::Denoise(_) => 5,
             Self::Interrupted { .. } => 130,
         }
     }
@@ -177,6 +193,7 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
         .allows(pixels * PIXEL_COST)
         .map_err(|e| JobError::Options(format!("a picture of {} by {} pixels does not fit: {e}", job.render.width, job.render.height)))?;
     settle::check(job)?;
+    let mut denoiser = denoise::asked(job)?;
     listener.stage(&Stage::Loading);
     let loaded = load::load(job, &mut map, &mut sink, listener);
     tell(&mut sink, &map, listener);
@@ -187,7 +204,12 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     let compiled = crate::compile::compile_scene(&scene, &job.compile, &mut sink);
     tell(&mut sink, &map, listener);
     let compiled = compiled?;
-    let job = &settle::settled(job, &scene, &mut sink);
+    let mut job = settle::settled(job, &scene, &mut sink);
+    if denoiser.is_none() {
+        denoiser = denoise::of_scene(&mut job, &mut sink);
+    }
+    job.render.passes = denoise::with_guides(&job, job.render.passes);
+    let job = &job;
     outcome.counts = [scene.objects.len(), compiled.geometry.prims.len(), compiled.lights.len()];
     drop(scene);
     lap(&mut outcome.seconds[1]);
@@ -212,6 +234,22 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
             Err(error) => JobError::Device { error, saved },
             Ok(()) => JobError::Interrupted { saved },
         });
+    }
+    if let Some(denoiser) = &denoiser {
+        let start = Instant::now();
+        match denoise::run(job, denoiser, &mut film, listener, cancel) {
+            Ok(how) => outcome.denoised = Some((how, start.elapsed().as_secs_f64())),
+            Err(error) => {
+                // The samples are not lost.
+                if let Some(target) = &job.target {
+                    denoise::drop_guides(job, &mut film);
+                    target.save_unfinished(job, &compiled, &film)?;
+                }
+                return Err(error.into());
+            }
+        }
+        denoise::drop_guides(job, &mut film);
+        lap(&mut outcome.seconds[3]);
     }
     if let Some(target) = &job.target {
         listener.stage(&Stage::Writing);

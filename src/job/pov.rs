@@ -84,6 +84,7 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
             block_size: o.block_size,
             passes: PassSet::NONE,
             noise: None,
+            features_only: false,
         },
         compile: CompileOptions { quality: o.quality, skip: true, accel: accel_named(&o.accel), memory },
         gpu: String::new(),
@@ -95,6 +96,8 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
         resume: o.continue_trace,
         passes: Some(PassSet::NONE),
         noise: Some(None),
+        denoise: Some(None),
+        denoise_library: None,
     })
 }
 

@@ -36,6 +36,8 @@ pub(super) fn settled(job: &Job, scene: &Scene, sink: &mut Sink) -> Job {
         sink.note_once("passes", None, format!("the passes that the scene asks for are left out: {why}"));
         job.render.passes = PassSet::NONE;
     }
+    job.passes = Some(job.render.passes);
+    job.denoise = Some(job.denoise.unwrap_or(asked.denoise).filter(|_| is_path));
     let threshold = asked.adaptive_threshold;
     let own = (threshold > 0.0).then_some(NoiseLimit { threshold, min_samples: asked.adaptive_min_samples });
     job.render.noise = job.noise.unwrap_or(own).filter(|_| is_path);

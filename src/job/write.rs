@@ -83,6 +83,9 @@ fn metadata(job: &Job, scene: &CompiledScene, film: &Film, outcome: Option<&Outc
         entries
             .push(("antialiasing", format!("method {}, threshold {}, depth {}, jitter {}", aa.method, aa.threshold, aa.depth, aa.jitter)));
     }
+    if let Some((how, _)) = outcome.and_then(|o| o.denoised.as_ref()) {
+        entries.push((crate::film::DENOISED, how.clone()));
+    }
     if let Some(n) = &r.noise {
         entries.push(("noise threshold", n.threshold.to_string()));
     }
@@ -95,6 +98,6 @@ fn metadata(job: &Job, scene: &CompiledScene, film: &Film, outcome: Option<&Outc
         software: concat!("rayloom ", env!("CARGO_PKG_VERSION")).into(),
         scene: job.source.path.display().to_string(),
         entries: entries.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
-        attributes: crate::integrate::path::manifests(scene, r.passes, crate::film::exr_layers::VIEW_LAYER),
+        attributes: crate::integrate::path::manifests(scene, job.passes.unwrap_or(r.passes), crate::film::exr_layers::VIEW_LAYER),
     }
 }

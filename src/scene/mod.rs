@@ -9,6 +9,7 @@
 
 pub mod camera;
 pub mod curves;
+pub mod denoise;
 pub mod dump;
 pub mod environment;
 pub mod function;

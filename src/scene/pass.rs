@@ -18,8 +18,10 @@ pub enum Pass {
     ObjectId,
     /// Pass index of the material at the first sample.
     MaterialId,
-    /// Colour of all lobes where the camera's ray first meets a surface.
+    /// Colour of what the camera sees, through mirrors and smooth glass, with the light that shines there: a guide for denoisers.
     Albedo,
+    /// Normal of the same place in the camera's axes (x right, y up, z into the picture).
+    DenoisingNormal,
     /// Light from lamps straight to a diffuse surface, as radiance. Files hold it divided by the colour.
     DiffuseDirect,
     /// Light between surfaces, the last being diffuse.
@@ -83,7 +85,7 @@ pub enum Join {
 type Row = (Pass, &'static str, &'static str, &'static str, Join);
 
 #[rustfmt::skip]
-const TABLE: [Row; 25] = [
+const TABLE: [Row; 26] = [
     (Pass::Depth, "depth", "Depth", "Z", Join::First),
     (Pass::Position, "position", "Position", "XYZ", Join::First),
     (Pass::Normal, "normal", "Normal", "XYZ", Join::Mean),
@@ -91,6 +93,7 @@ const TABLE: [Row; 25] = [
     (Pass::ObjectId, "objectId", "IndexOB", "X", Join::First),
     (Pass::MaterialId, "materialId", "IndexMA", "X", Join::First),
     (Pass::Albedo, "albedo", "Denoising Albedo", "RGB", Join::Mean),
+    (Pass::DenoisingNormal, "denoisingNormal", "Denoising Normal", "XYZ", Join::Mean),
     (Pass::DiffuseDirect, "diffuseDirect", "DiffDir", "RGB", Join::Mean),
     (Pass::DiffuseIndirect, "diffuseIndirect", "DiffInd", "RGB", Join::Mean),
     (Pass::DiffuseColor, "diffuseColor", "DiffCol", "RGB", Join::Mean),

@@ -1,6 +1,7 @@
 //! What a scene asks of the path integrator. The defaults are an unbiased picture; a scene from Blender brings Blender's.
 
 use super::PassSet;
+use super::denoise::DenoiseSettings;
 
 /// Settings of the path integrator. Names and counts as Cycles'.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +48,8 @@ pub struct PathSettings {
     pub film_transparent: bool,
     /// Passes that the scene asks for.
     pub passes: PassSet,
+    /// Denoising that the scene wants.
+    pub denoise: Option<DenoiseSettings>,
 }
 
 impl Default for PathSettings {
@@ -73,6 +76,7 @@ impl Default for PathSettings {
             exposure: 1.0,
             film_transparent: false,
             passes: PassSet::NONE,
+            denoise: None,
         }
     }
 }

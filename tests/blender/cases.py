@@ -317,6 +317,90 @@ def layers_of(path):
     return planes, head
 
 
+def compositor_tree(scene):
+    """An empty tree of the compositor and the socket that the picture goes into."""
+    if hasattr(scene, "compositing_node_group"):
+        tree = scene.compositing_node_group = bpy.data.node_groups.new("Compositor", "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        return tree, tree.nodes.new("NodeGroupOutput").inputs[0]
+    scene.use_nodes = True
+    tree = scene.node_tree
+    tree.nodes.clear()
+    return tree, tree.nodes.new("CompositorNodeComposite").inputs["Image"]
+
+
+def lit_room(samples, size=(96, 64)):
+    """A matt ball, a mirror and a glass before walls under a lamp: noisy with few samples."""
+    scene = new_scene(size, samples)
+    scene.rayloom.use_adaptive_sampling = False
+    for k, (name, values) in enumerate((("Matt", {}), ("Mirror", {"Metallic": 1, "Roughness": 0}), ("Glass", {"Transmission Weight": 1, "Roughness": 0}))):
+        bpy.ops.mesh.primitive_uv_sphere_add(radius=0.7, location=(1.7 * (k - 1), 0, -0.3))
+        material = bpy.data.materials.new(name)
+        material.use_nodes = True
+        for key, value in values.items():
+            material.node_tree.nodes["Principled BSDF"].inputs[key].default_value = value
+        bpy.context.object.data.materials.append(material)
+        bpy.ops.object.shade_smooth()
+    for name, place, turn in (("Floor", (0, 0, -1), (0, 0, 0)), ("Back", (0, 4, 0), (np.pi / 2, 0, 0))):
+        bpy.ops.mesh.primitive_plane_add(size=14, location=place, rotation=turn)
+        bpy.context.object.name = name
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "AREA"))
+    lamp.data.energy, lamp.data.size, lamp.location = 150, 1.0, (0, -1, 3)
+    scene.collection.objects.link(lamp)
+    return scene
+
+
+def case_denoise():
+    """Denoised pictures: what the compositor's Denoise node makes of our noisy passes, to the last bit; the passes stay noisy; errors are told."""
+    scene = lit_room(samples=8)
+    layer = bpy.context.view_layer
+    layer.cycles.denoising_store_passes = True
+    scene.rayloom.use_denoising = True
+    said, say_stage = [], module("engine").RayloomRenderEngine._say
+    module("engine").RayloomRenderEngine._say = lambda self, stage, share: (said.append(stage), say_stage(self, stage, share))[1]
+    render("layers", layers=True)
+    module("engine").RayloomRenderEngine._say = say_stage
+    assert "Denoising" in said, said
+    planes, _ = layers_of(os.path.join(FOLDER, "layers.exr"))
+
+    def of(name, channels="RGB"):
+        return np.stack([planes[f"ViewLayer.{name}.{c}"] for c in channels], axis=-1)
+
+    clean, noisy = of("Combined"), of("Noisy Image")
+    assert np.isfinite(of("Denoising Normal", "XYZ")).all() and abs(np.median(of("Denoising Albedo")) - 0.8) < 0.01 and of("Denoising Depth", "Z").max() > 4
+    tree, end = compositor_tree(scene)
+    source, node = tree.nodes.new("CompositorNodeRLayers"), tree.nodes.new("CompositorNodeDenoise")
+    for inner, outer in (("Image", "Noisy Image"), ("Normal", "Denoising Normal"), ("Albedo", "Denoising Albedo")):
+        tree.links.new(source.outputs[outer], node.inputs[inner])
+    tree.links.new(node.outputs[0], end)
+    theirs = render("node")[:, :, :3]
+    difference = np.abs(theirs - clean)
+    say(f"to Blender's Denoise node: at most {difference.max():.2e}; noise taken away: {np.sqrt(((clean - noisy) ** 2).mean()):.4f} of a mean of {clean.mean():.3f}")
+    # Reference: 64 times the samples, not denoised.
+    if hasattr(scene, "compositing_node_group"):
+        scene.compositing_node_group = None
+    else:
+        scene.use_nodes = False
+    scene.rayloom.use_denoising, scene.rayloom.samples = False, 512
+    truth = render("truth")[:, :, :3]
+    errors = [float(np.sqrt(((np.clip(p, 0, 1) - np.clip(truth, 0, 1)) ** 2).mean())) for p in (noisy, clean)]
+    say(f"error at 8 samples: noisy {errors[0]:.4f}, denoised {errors[1]:.4f}")
+    assert difference.max() < 1e-5, difference.max()
+    assert errors[1] < 0.5 * errors[0], errors
+    # Colours alone, and without the library.
+    scene.rayloom.use_denoising, scene.rayloom.samples = True, 8
+    scene.rayloom.denoising_input_passes = "RGB"
+    layer.cycles.denoising_store_passes = False
+    alone = render("alone")[:, :, :3]
+    assert 1e-4 < np.abs(alone - clean).mean() < 0.1 and np.sqrt(((np.clip(alone, 0, 1) - np.clip(truth, 0, 1)) ** 2).mean()) < errors[0]
+    denoiser = module("core.denoiser")
+    find, denoiser.find = denoiser.find, lambda *a: None
+    os.environ["RAYLOOM_OIDN"] = "/nowhere"
+    render_error("Open Image Denoise was not found")
+    denoiser.find = find
+    del os.environ["RAYLOOM_OIDN"]
+
+
 def case_the_picture_so_far_is_shown():
     """While it renders, Blender gets what there is; the memory and the time left are told; the end is whole."""
     scene = new_scene((256, 256), samples=60)

@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "addons"))
 
-from rayloom_blender.core import bake, corners, decompose, evaluate, exr, glb, lower, passes, pictures, process  # noqa: E402
+from rayloom_blender.core import bake, corners, decompose, denoiser, evaluate, exr, glb, lower, passes, pictures, process  # noqa: E402
 
 
 def read_glb(path):
@@ -228,6 +228,20 @@ class Shaders(unittest.TestCase):
         ]
         closure, out, around, told = self.lowered(nodes)
         self.assertEqual((out[closure["roughness"]["node"]]["type"], around.pictures, told), ("math", [], []))
+
+
+class Denoiser(unittest.TestCase):
+    """Blender's own library."""
+
+    def test_the_library_is_found_where_blender_keeps_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertIsNone(denoiser.find(folder, os.path.join(folder, "blender")))
+            os.mkdir(os.path.join(folder, "lib"))
+            names = {"win32": "OpenImageDenoise.dll", "darwin": "libOpenImageDenoise.2.dylib"}
+            path = os.path.join(folder, "lib", names.get(sys.platform, "libOpenImageDenoise.so.2"))
+            open(path, "w").close()
+            self.assertEqual(denoiser.find(folder), path)
+            self.assertEqual(os.path.realpath(denoiser.find("", os.path.join(folder, "blender"))), os.path.realpath(path))
 
 
 class Passes(unittest.TestCase):

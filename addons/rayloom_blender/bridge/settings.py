@@ -34,7 +34,7 @@ _CYCLES_PASSES = {
     "use_pass_volume_direct": ("volumeDirect",),
     "use_pass_volume_indirect": ("volumeIndirect",),
     "pass_debug_sample_count": ("sampleCount",),
-    "denoising_store_passes": ("albedo", "normal", "depth"),
+    "denoising_store_passes": ("albedo", "denoisingNormal", "depth"),
 }
 
 
@@ -73,6 +73,23 @@ def wanted_passes(view_layer):
         if getattr(cycles, switch, False):
             out += [name for name in names if name not in out]
     return out
+
+
+def denoises(scene, view_layer):
+    """Whether the picture of a view layer is to be denoised."""
+    return bool(settings_of(scene).use_denoising and getattr(getattr(view_layer, "cycles", None), "use_denoising", True))
+
+
+_GUIDES = {"RGB": "none", "RGB_ALBEDO": "albedo", "RGB_ALBEDO_NORMAL": "albedoNormal"}
+
+
+def denoiser_record(settings):
+    """The record `denoiser`."""
+    return {
+        "guides": _GUIDES.get(settings.denoising_input_passes, "albedoNormal"),
+        "prefilter": settings.denoising_prefilter.lower(),
+        "quality": getattr(settings, "denoising_quality", "HIGH").lower(),
+    }
 
 
 def render_record(scene, view_layer):
@@ -117,7 +134,8 @@ def render_record(scene, view_layer):
         lightThreshold=c.light_sampling_threshold,
         filter={"type": _FILTER[c.pixel_filter_type], "width": c.filter_width},
         exposure=c.film_exposure,
-        denoise=c.use_denoising,
+        denoise=denoises(scene, view_layer),
+        denoiser=denoiser_record(c),
         volume={"stepRate": getattr(c, "volume_step_rate", 1.0), "maxSteps": getattr(c, "volume_max_steps", 1024)},
     )
     if c.use_adaptive_sampling:

@@ -14,6 +14,7 @@ PASSES = {
     "objectId": ("IndexOB", "X", "VALUE"),
     "materialId": ("IndexMA", "X", "VALUE"),
     "albedo": ("Denoising Albedo", "RGB", "COLOR"),
+    "denoisingNormal": ("Denoising Normal", "XYZ", "VECTOR"),
     "diffuseDirect": ("DiffDir", "RGB", "COLOR"),
     "diffuseIndirect": ("DiffInd", "RGB", "COLOR"),
     "diffuseColor": ("DiffCol", "RGB", "COLOR"),
@@ -33,12 +34,14 @@ PASSES = {
 # The file's name → Blender's, before the number of the two ranks that a layer holds. Their channels are small letters in Cycles' files (measured, 4.5).
 CRYPTOMATTE = {"cryptoObject": "CryptoObject", "cryptoMaterial": "CryptoMaterial", "cryptoAsset": "CryptoAsset"}
 # Names that Blender's passes have besides in the renderer's file.
-_SAME = {"denoising normal": "normal", "denoising depth": "depth"}
+_SAME = {"denoising depth": "depth"}
+# What Cycles adds to a layer that keeps its denoising data, besides albedo and normal.
+DENOISING_DATA = (("Noisy Image", "RGBA", "COLOR"), ("Denoising Depth", "Z", "VALUE"))
 
 
-def registered(wanted, cryptomatte_ranks=6):
-    """What to register for the wanted passes (the file's names), Combined first: `(Blender's name, channels, kind)` each."""
-    out = [("Combined", "RGBA", "COLOR")]
+def registered(wanted, cryptomatte_ranks=6, more=()):
+    """What to register for the wanted passes (the file's names), Combined first, then `more`: `(Blender's name, channels, kind)` each."""
+    out = [("Combined", "RGBA", "COLOR"), *more]
     for name in wanted:
         if name in PASSES:
             out.append(PASSES[name])

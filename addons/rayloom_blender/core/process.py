@@ -104,7 +104,7 @@ class Renderer:
         if code is not None and code < 0:
             hint = " The system may be out of memory." if code == -9 else ""
             return f"The renderer was ended by signal {-code}.{hint}" + (f" It said{detail}" if errors else "")
-        reasons = {2: "did not understand its options", 3: "found the scene wrong", 4: "could not read or write a file", 5: "lost its device"}
+        reasons = {2: "did not understand its options", 3: "found the scene wrong", 4: "could not read or write a file", 5: "could not use its device or its denoiser"}
         return f"The renderer {reasons.get(code, f'ended with code {code}')}{detail}"
 
 

@@ -2,7 +2,7 @@
 
 use crate::compile::CompiledScene;
 use crate::kernel::camera::CameraModel;
-use crate::math::{DVec3, Ray};
+use crate::math::{DVec3, Ray, Vec3};
 use crate::scene::camera::{CameraPose, Lens};
 use crate::scene::{Camera, Projection};
 use std::f64::consts::TAU;
@@ -61,6 +61,17 @@ impl PathCamera {
             (Projection::Perspective | Projection::Orthographic, Some(axis)) => to.dot(axis).abs(),
             _ => to.length(),
         }
+    }
+
+    /// A direction in the camera's axes: x right, y up, z into the picture.
+    pub fn to_view(&self, dir: Vec3, time: f64) -> Vec3 {
+        let pose = self.pose(time.max(0.0));
+        let right = pose.right.normalize_or(DVec3::X);
+        let up = (pose.up - right * right.dot(pose.up)).normalize_or(DVec3::Y);
+        let axis = right.cross(up);
+        let axis = if axis.dot(pose.direction) < 0.0 { -axis } else { axis };
+        let d = dir.as_dvec3();
+        Vec3::new(d.dot(right) as f32, d.dot(up) as f32, d.dot(axis) as f32)
     }
 
     fn pose(&self, time: f64) -> CameraPose {

@@ -105,12 +105,19 @@ pub(super) struct Gather {
     sample: Vec<f32>,
     sample_names: Vec<(Pass, u32, f32)>,
     met: bool,
+    /// What is seen so far is all mirrors and clear glass: the colour of it, for the denoiser's guides.
+    clear: Option<Rgb>,
     /// Of all samples so far.
     sums: Vec<f64>,
     names: [Vec<(u32, f64)>; 3],
     squares: [f64; 3],
     colors: [f64; 3],
     n: u32,
+}
+
+/// Mean of the channels.
+fn mean(c: Rgb) -> f32 {
+    c.element_sum() / 3.0
 }
 
 fn names_place(p: Pass) -> usize {
@@ -130,6 +137,7 @@ impl Gather {
             sample: vec![0.0; width],
             sample_names: Vec::new(),
             met: false,
+            clear: None,
             sums: vec![0.0; width],
             names: Default::default(),
             squares: [0.0; 3],
@@ -150,6 +158,7 @@ impl Gather {
         self.sample.fill(0.0);
         self.sample_names.clear();
         self.met = false;
+        self.clear = self.passes.has_any(&[Pass::Albedo, Pass::DenoisingNormal]).then_some(Vec3::ONE);
         self.put(Pass::Depth, &[NO_DEPTH]);
     }
 
@@ -167,8 +176,45 @@ impl Gather {
         }
     }
 
+    /// Whether the denoiser's guides of the sample are not known yet.
+    pub fn wants_guides(&self) -> bool {
+        self.clear.is_some()
+    }
+
+    /// A surface that the path meets, for the denoiser's guides: where a quarter or more of what it does is rough, they are its colour and its normal in the
+    /// camera's axes; else they are those of what is seen in it. Source: which that is, and that light counts, Cycles' passes (measured).
+    pub fn guide(&mut self, plan: &PathPlan, path: &Path, surface: &Surface, shading: &Shading) {
+        let Some(seen_in) = self.clear else { return };
+        let ([mut rough, smooth], mut chance) = shading.lobes.rough_and_smooth(surface.v);
+        let mut total = shading.lobes.total_chance() + mean(shading.transparent);
+        if let Some(s) = &shading.subsurface {
+            rough += s.weight;
+            chance += mean(s.weight);
+            total += mean(s.weight);
+        }
+        if total > 0.0 && 4.0 * chance <= total {
+            self.clear = Some(seen_in * (smooth + shading.transparent));
+            return;
+        }
+        self.clear = None;
+        self.add(Pass::Albedo, seen_in * rough);
+        if total > 0.0 {
+            self.put(Pass::DenoisingNormal, &plan.camera.to_view(shading.mean_normal(surface), path.time).to_array());
+        }
+    }
+
+    /// The path scatters in a volume before it meets a surface.
+    pub fn guide_volume(&mut self, color: Rgb) {
+        if let Some(seen_in) = self.clear.take() {
+            self.add(Pass::Albedo, seen_in * color);
+        }
+    }
+
     /// Light of the picture; `bounces` are those of the path, `first` what its first was.
     pub fn light(&mut self, light: Rgb, from: From, bounces: u32, first: Shares) {
+        if let (Some(seen_in), From::Met | From::World) = (self.clear, from) {
+            self.add(Pass::Albedo, seen_in * light);
+        }
         let (shares, is_direct) = match (from, bounces) {
             (From::Met, 0) => return self.add(Pass::Emission, light),
             (From::World, 0) => return self.add(Pass::Environment, light),
@@ -205,7 +251,7 @@ impl Gather {
             self.put(Pass::ObjectId, &[object.map_or(0, |o| o.traits.object_id) as f32]);
             self.put(Pass::MaterialId, &[shader.map_or(0, |s| s.material_id) as f32]);
         }
-        if self.passes.has_any(&[Pass::Albedo, Pass::DiffuseColor, Pass::GlossyColor, Pass::TransmissionColor]) {
+        if self.passes.has_any(&[Pass::DiffuseColor, Pass::GlossyColor, Pass::TransmissionColor]) {
             let [mut diffuse, glossy, through] = shading.lobes.colors(surface.v);
             if let Some(s) = &shading.subsurface {
                 diffuse += s.weight;
@@ -213,7 +259,6 @@ impl Gather {
             self.add(Pass::DiffuseColor, path.throughput * diffuse);
             self.add(Pass::GlossyColor, path.throughput * glossy);
             self.add(Pass::TransmissionColor, path.throughput * through);
-            self.add(Pass::Albedo, path.throughput * (diffuse + glossy + through));
         }
         let share = path.throughput.element_sum() / 3.0 * opacity;
         if share > 0.0 {

@@ -39,6 +39,8 @@ pub struct PathPlan<'s> {
     /// What is gathered besides the colours.
     pub(super) passes: PassSet,
     pub(super) names: NameTable,
+    /// Paths end where the denoiser's guides are known.
+    pub(super) features_only: bool,
 }
 
 impl<'s> PathPlan<'s> {
@@ -64,6 +66,7 @@ impl<'s> PathPlan<'s> {
             settings,
             passes: PassSet::NONE,
             names: NameTable::default(),
+            features_only: false,
         };
         if has_volumes {
             plan.camera_volumes = plan.volumes_at(scene.camera.location);
@@ -75,5 +78,11 @@ impl<'s> PathPlan<'s> {
     #[must_use]
     pub fn with_passes(self, passes: PassSet) -> Self {
         Self { names: NameTable::new(self.scene, passes), passes, ..self }
+    }
+
+    /// With paths that end where the denoiser's guides are known.
+    #[must_use]
+    pub fn features_only(self, yes: bool) -> Self {
+        Self { features_only: yes && !self.passes.is_empty(), ..self }
     }
 }

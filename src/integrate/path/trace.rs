@@ -22,7 +22,7 @@ pub struct PathTracer<'p> {
     /// What blocked a shadow ray last.
     pub(super) blocker: u32,
     /// Passes of the pixel under way, if any are asked for.
-    gather: Option<Box<Gather>>,
+    pub(super) gather: Option<Box<Gather>>,
 }
 
 /// The samples of a pixel.
@@ -268,6 +268,12 @@ impl<'p> PathTracer<'p> {
             };
             self.add(path, path.throughput * shading.emission * balance(o.pdf, pdf), From::Met);
         }
+        if let Some(g) = &mut self.gather {
+            g.guide(plan, path, &surface, &shading);
+            if plan.features_only && !g.wants_guides() {
+                return false;
+            }
+        }
         if survival <= 0.0 {
             return false;
         }
@@ -364,7 +370,7 @@ impl<'p> PathTracer<'p> {
     /// Light that comes straight from a lamp, a shining face or the sky.
     pub(super) fn add_direct(&mut self, path: &mut Path, surface: &Surface, lobes: &LobeSet) {
         let plan = self.plan;
-        if plan.lights.is_empty() {
+        if plan.lights.is_empty() || plan.features_only {
             return;
         }
         let [u, v, pick, _] = path.sampler.at(path.step, Set::Light);

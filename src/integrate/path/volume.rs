@@ -339,6 +339,13 @@ impl PathTracer<'_> {
             if path.bounces.total == 0 {
                 path.first = Shares::Volume;
             }
+            if let Some(g) = &mut self.gather {
+                g.guide_volume(c.scattering / (m.majorant * real));
+                if plan.features_only && !g.wants_guides() {
+                    path.throughput = Vec3::ZERO;
+                    return true;
+                }
+            }
             path.bounces.scattered_in_volume(&plan.settings);
             path.ray = Ray::new(p, dir);
             path.origin = Origin { point: p, select: choice.as_ref().map_or(p, |c| c.select), normal: None, pdf, travelled: 0.0 };

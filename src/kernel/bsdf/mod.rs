@@ -97,7 +97,32 @@ pub struct BsdfSample {
     pub width: f32,
 }
 
+/// Width (roughness squared) up to which a lobe is a mirror or clear glass for denoisers: what is seen in it is the guide. Source: Cycles (measured).
+const MIRROR_WIDTH: f32 = 0.075;
+
 impl Lobe {
+    /// Colour by kind: diffuse, reflected, let through.
+    fn colors(&self, v: Vec3) -> [Rgb; 3] {
+        let cos = self.frame.n.dot(v).clamp(0.0, 1.0);
+        match &self.kind {
+            LobeKind::Lambert | LobeKind::OrenNayar(_) | LobeKind::Translucent => [self.weight, Vec3::ZERO, Vec3::ZERO],
+            LobeKind::Sheen(s) => [self.weight * s.albedo, Vec3::ZERO, Vec3::ZERO],
+            LobeKind::Microfacet(m) => {
+                let [reflected, through] = m.albedo(cos);
+                [Vec3::ZERO, self.weight * reflected, self.weight * through]
+            }
+            // Half each way.
+            LobeKind::Hair(_) => [Vec3::ZERO, self.weight * 0.5, self.weight * 0.5],
+        }
+    }
+
+    fn is_rough(&self) -> bool {
+        match &self.kind {
+            LobeKind::Microfacet(m) => m.ggx.ax * m.ggx.ay > MIRROR_WIDTH * MIRROR_WIDTH,
+            _ => true,
+        }
+    }
+
     /// Value without the weight, and density.
     fn eval(&self, v: Vec3, l: Vec3) -> (Rgb, f32) {
         let (v, l) = (self.frame.to_local(v), self.frame.to_local(l));
@@ -350,27 +375,26 @@ impl LobeSet {
     /// Colours: what all lobes together give back of white light from everywhere, by kind: diffuse, reflected, let through.
     /// That of microfacets is Fresnel's term at the viewer's cosine times what the facets keep, no average over them.
     pub fn colors(&self, v: Vec3) -> [Rgb; 3] {
-        let mut out = [Vec3::ZERO; 3];
-        for lobe in self.lobes() {
-            let cos = lobe.frame.n.dot(v).clamp(0.0, 1.0);
-            match &lobe.kind {
-                LobeKind::Lambert | LobeKind::OrenNayar(_) | LobeKind::Translucent => out[0] += lobe.weight,
-                LobeKind::Sheen(s) => out[0] += lobe.weight * s.albedo,
-                LobeKind::Microfacet(m) => {
-                    let [reflected, through] = m.albedo(cos);
-                    out[1] += lobe.weight * reflected;
-                    out[2] += lobe.weight * through;
-                }
-                // Half each way.
-                LobeKind::Hair(_) => {
-                    out[1] += lobe.weight * 0.5;
-                    out[2] += lobe.weight * 0.5;
-                }
-            }
-        }
-        out
+        self.lobes().fold([Vec3::ZERO; 3], |sum, lobe| {
+            let own = lobe.colors(v);
+            std::array::from_fn(|k| sum[k] + own[k])
+        })
     }
 
+    /// Colours of lobes wider than a mirror's and of the others, and the chance of the wider.
+    pub fn rough_and_smooth(&self, v: Vec3) -> ([Rgb; 2], f32) {
+        let (mut colors, mut rough) = ([Vec3::ZERO; 2], 0.0);
+        for lobe in self.lobes() {
+            let color: Rgb = lobe.colors(v).into_iter().sum();
+            if lobe.is_rough() {
+                rough += lobe.chance;
+                colors[0] += color;
+            } else {
+                colors[1] += color;
+            }
+        }
+        (colors, rough)
+    }
     /// Whether light from behind the surface may reach the viewer.
     pub fn transmits(&self) -> bool {
         self.lobes().any(|l| match &l.kind {

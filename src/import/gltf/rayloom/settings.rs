@@ -5,8 +5,26 @@ use super::motion::Shutter;
 use super::record::Record;
 use crate::diag::Sink;
 use crate::scene::curves::CurveStyle;
+use crate::scene::denoise::{DenoiseQuality, DenoiseSettings, Guides, Prefilter};
 use crate::scene::path_settings::PixelFilter;
 use crate::scene::{Pass, Scene};
+
+/// The record `denoiser`, or its defaults.
+fn denoiser(r: &Record) -> Result<DenoiseSettings, ImportError> {
+    let mut out = DenoiseSettings::default();
+    if let Some(d) = r.record("denoiser")? {
+        out.guides = d.choice("guides", out.guides, &GUIDES)?;
+        out.prefilter = d.choice("prefilter", out.prefilter, &PREFILTERS)?;
+        out.quality = d.choice("quality", out.quality, &QUALITIES)?;
+        d.finish()?;
+    }
+    Ok(out)
+}
+
+const GUIDES: [(&str, Guides); 3] = [("none", Guides::None), ("albedo", Guides::Albedo), ("albedoNormal", Guides::AlbedoNormal)];
+const PREFILTERS: [(&str, Prefilter); 3] = [("none", Prefilter::None), ("fast", Prefilter::Fast), ("accurate", Prefilter::Accurate)];
+const QUALITIES: [(&str, DenoiseQuality); 3] =
+    [("high", DenoiseQuality::High), ("balanced", DenoiseQuality::Balanced), ("fast", DenoiseQuality::Fast)];
 
 /// Fills the scene's settings from the record `render`; the style of hair and the shutter besides.
 pub(super) fn settings(r: &Record, scene: &mut Scene, sink: &mut Sink) -> Result<(CurveStyle, Shutter), ImportError> {
@@ -48,7 +66,9 @@ pub(super) fn settings(r: &Record, scene: &mut Scene, sink: &mut Sink) -> Result
     }
     r.positive_or("transparentRoughness", 0.1)?;
     if r.flag("denoise", false)? {
-        sink.note_once("rayloom: denoise", None, "the scene asks for denoising, which is left out");
+        p.denoise = Some(denoiser(r)?);
+    } else {
+        denoiser(r)?;
     }
     if r.positive_or("timeLimit", 0.0)? > 0.0 {
         sink.note_once("rayloom: time limit", None, "the scene's time limit is left out");
