@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::film::Film;
-use crate::math::Pcg;
+use crate::math::sobol::Pcg;
 
 /// The library, or nothing on machines without it.
 fn library() -> Option<Denoiser> {
@@ -24,7 +24,7 @@ fn noisy(width: u32, height: u32) -> (Film, Vec<f32>) {
     for at in 0..film.pixels.len() {
         let value = if (at as u32 % width) < width / 2 { 0.2 } else { 2.0 };
         // Exponential: its mean is 1.
-        film.pixels[at] = [0, 1, 2, 3].map(|c| if c < 3 { value * -(1.0 - rng.draw()).max(1e-6).ln() } else { 0.25 });
+        film.pixels[at] = [0, 1, 2, 3].map(|c| if c < 3 { value * -(1.0f32 - rng.draw()).max(1e-6).ln() } else { 0.25 });
         film.samples[at] = 1;
         film.layers[0].values[3 * at..3 * at + 3].fill(value / 2.0);
         film.layers[1].values[3 * at..3 * at + 3].copy_from_slice(&[0.0, 0.0, -1.0]);
