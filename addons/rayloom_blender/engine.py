@@ -63,6 +63,8 @@ def command_line(path, scene, source, target, live, view_layer=None):
     border = border_of(render)
     if border:
         out += ["--crop", ",".join(map(str, border))]
+    if settings.time_limit > 0.0 and own.integrator == "PATH":
+        out += ["--time-limit", f"{settings.time_limit:.3f}"]
     if render.film_transparent:
         out.append("--alpha")
     seed = settings.seed + (scene.frame_current if getattr(settings, "use_animated_seed", False) else 0)
@@ -98,7 +100,7 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
         ranks = getattr(renderlayer, "pass_cryptomatte_depth", 6)
         keeps_noise = getattr(getattr(renderlayer, "cycles", None), "denoising_store_passes", False) and denoises(scene, renderlayer)
         more = passes.DENOISING_DATA if keeps_noise else ()
-        for name, channels, kind in passes.registered(wanted_passes(renderlayer), ranks, more):
+        for name, channels, kind in passes.registered(wanted_passes(renderlayer, scene), ranks, more):
             self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
 
     def render(self, depsgraph):
@@ -181,6 +183,10 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
             used, peak = ((event.get(key) or 0) / 2**20 for key in ("memory", "memory_peak"))
             self._say(f"{100.0 * share:.0f} %, {_clock(left)} left, {used:.0f} MiB", share)
             self.update_memory_stats(memory_used=used, memory_peak=peak)
+        elif kind == "finished":
+            samples = (event.get("stats") or {}).get("samples") or {}
+            if samples.get("time_limit_reached"):
+                log.add("note", "", f"the time limit left {samples['mean']:.1f} samples a pixel ({samples['least']} to {samples['most']})")
         elif kind == "picture" and so_far:
             so_far.show()
         elif kind == "rendering":

@@ -73,7 +73,7 @@ class RAYLOOM_RENDER_PT_sampling(_Panel, bpy.types.Panel):
 
     def draw(self, context):
         settings = settings_of(context.scene)
-        column = self.props(context, "samples", "seed", "use_animated_seed", "use_adaptive_sampling")
+        column = self.props(context, "samples", "time_limit", "seed", "use_animated_seed", "use_adaptive_sampling")
         if settings.use_adaptive_sampling:
             column.prop(settings, "adaptive_threshold")
             column.prop(settings, "adaptive_min_samples")

@@ -285,4 +285,27 @@ mod tests {
         CpuBackend::new(2).render(&compiled, &settings(2), &mut film, &(), &AtomicBool::new(true)).expect("renders");
         assert!(film.samples.iter().all(|n| *n == 0));
     }
+
+    #[test]
+    fn a_time_limit_leaves_a_whole_picture_and_rounds_change_nothing() {
+        let scene = lit_plane();
+        let path = RenderSettings { integrator: IntegratorKind::Path, samples: 0..1_000_000, ..settings(2) };
+        let start = std::time::Instant::now();
+        let limited = render(&scene, &RenderSettings { time_limit: Some(std::time::Duration::from_millis(150)), ..path.clone() });
+        assert!(start.elapsed().as_secs_f64() < 20.0);
+        assert!(limited.samples.iter().all(|n| (1..1_000_000).contains(n)));
+        // A limit that is over at once leaves one sample.
+        let one = render(&scene, &RenderSettings { time_limit: Some(std::time::Duration::from_nanos(1)), ..path.clone() });
+        assert!(one.samples.iter().all(|n| *n == 1), "{:?}", &one.samples[..4]);
+        let quiet = crate::integrate::NoiseLimit { threshold: 0.01, min_samples: 0 };
+        for noise in [None, Some(quiet)] {
+            let plain = RenderSettings { samples: 0..24, noise, ..path.clone() };
+            let rounds = render(&scene, &RenderSettings { in_rounds: true, ..plain.clone() });
+            let at_once = render(&scene, &plain);
+            assert_eq!(rounds.samples, at_once.samples);
+            for (a, b) in rounds.pixels.iter().zip(&at_once.pixels) {
+                assert!((0..3).all(|c| (a[c] - b[c]).abs() <= 1e-5 * b[c].abs().max(1e-3)), "{a:?}, not {b:?}");
+            }
+        }
+    }
 }

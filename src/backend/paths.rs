@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// Renders on the threads of `pool`.
 pub(super) fn render_paths(
@@ -27,10 +28,12 @@ pub(super) fn render_paths(
             .with_passes(settings.passes)
             .features_only(settings.features_only)
     });
-    let run = Run { plan: &plan, progress, cancel };
+    let end = settings.time_limit.map(|limit| (Instant::now(), limit));
+    let run = Run { plan: &plan, progress, cancel, end, may_end: AtomicBool::new(false) };
     pool.install(|| match &settings.noise {
-        None => run.all_samples(settings, film),
         Some(limit) => run.until_quiet(settings, limit, film),
+        None if settings.in_rounds || end.is_some() => run.in_rounds(settings, film),
+        None => run.all_samples(settings, film),
     });
     Ok(())
 }
@@ -39,9 +42,55 @@ struct Run<'r> {
     plan: &'r PathPlan<'r>,
     progress: &'r dyn Progress,
     cancel: &'r AtomicBool,
+    /// Beginning, and the time that rendering may take.
+    end: Option<(Instant, Duration)>,
+    /// All pixels have a sample: the time limit counts.
+    may_end: AtomicBool,
 }
 
 impl Run<'_> {
+    /// Share of the time that is over, 0 without a limit.
+    fn spent(&self) -> f64 {
+        self.end.map_or(0.0, |(start, limit)| start.elapsed().as_secs_f64() / limit.as_secs_f64().max(1e-9))
+    }
+
+    fn stops(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed) || self.may_end.load(Ordering::Relaxed) && self.spent() >= 1.0
+    }
+
+    /// `done` of `total` pixels, or so many as the time stands for.
+    fn tell(&self, done: u64, total: u64) {
+        self.progress.pixels(done.max((self.spent() * total as f64) as u64).min(total), total);
+    }
+
+    /// All pixels get one sample, then twice as many each time, up to a whole step.
+    fn in_rounds(&self, settings: &RenderSettings, film: &mut Film) {
+        clear(film, settings.crop);
+        let all = blocks(settings.crop, settings.block_size);
+        let total = area(settings.crop);
+        let n_all = settings.samples.len().max(1) as f64;
+        let shared = Mutex::new((film, 0u64));
+        let mut range = settings.samples.start..(settings.samples.start + 1).min(settings.samples.end);
+        while !range.is_empty() && !self.stops() {
+            all.par_iter().with_max_len(1).for_each(|block| {
+                let results = self.block(*block, &range, |_, _| true);
+                let mut guard = shared.lock().expect("no thread panics while it holds the film");
+                let (film, done) = &mut *guard;
+                for ((x, y), r) in &results {
+                    join(film, *x, *y, r, range.len() as u32);
+                }
+                *done += (results.len() * range.len()) as u64;
+                let done = (*done as f64 / n_all) as u64;
+                self.progress.picture(film);
+                drop(guard);
+                self.tell(done, total);
+            });
+            self.may_end.store(true, Ordering::Relaxed);
+            let n = (range.end - settings.samples.start).clamp(1, STEP);
+            range = range.end..range.end.saturating_add(n).min(settings.samples.end);
+        }
+    }
+
     /// Every pixel gets all its samples.
     fn all_samples(&self, settings: &RenderSettings, film: &mut Film) {
         let (todo, n_finished) = unfinished_blocks(film, settings);
@@ -75,8 +124,10 @@ impl Run<'_> {
         let shared = Mutex::new((film, odd));
         let all = blocks(settings.crop, settings.block_size);
         let total = area(settings.crop);
-        let mut range = settings.samples.start..settings.samples.start.saturating_add(limit.first_samples()).min(settings.samples.end);
-        while !range.is_empty() && map.n_active() > 0 && !self.cancel.load(Ordering::Relaxed) {
+        let first = settings.samples.start.saturating_add(limit.first_samples()).min(settings.samples.end);
+        let in_rounds = settings.in_rounds || self.end.is_some();
+        let mut range = settings.samples.start..if in_rounds { (settings.samples.start + 1).min(first) } else { first };
+        while !range.is_empty() && map.n_active() > 0 && !self.stops() {
             let n = range.len() as u32;
             let n_odd = range.end / 2 - range.start / 2;
             all.par_iter().with_max_len(1).for_each(|block| {
@@ -100,9 +151,16 @@ impl Run<'_> {
             }
             self.progress.picture(guard.0);
             drop(guard);
+            self.may_end.store(true, Ordering::Relaxed);
+            if range.end < first {
+                self.tell(u64::from(range.end - settings.samples.start) * total / settings.samples.len().max(1) as u64, total);
+                let n = (range.end - settings.samples.start).clamp(1, STEP);
+                range = range.end..range.end.saturating_add(n).min(first);
+                continue;
+            }
             map.settle(limit.threshold);
             let left = f64::from(settings.samples.end - range.end) / settings.samples.len() as f64 * map.n_active() as f64;
-            self.progress.pixels(total - left.ceil() as u64, total);
+            self.tell(total - left.ceil() as u64, total);
             range = range.end..range.end.saturating_add(STEP).min(settings.samples.end);
         }
     }
@@ -113,7 +171,7 @@ impl Run<'_> {
         let mut tracer = PathTracer::new(self.plan);
         let mut out = Vec::new();
         for y in y0..y1 {
-            if self.cancel.load(Ordering::Relaxed) {
+            if self.stops() {
                 break;
             }
             out.extend((x0..x1).filter(|x| wanted(*x, y)).map(|x| ((x, y), tracer.pixel(x, y, range.clone()))));

@@ -13,7 +13,6 @@ use rayloom::integrate::{Antialias, IntegratorKind, NoiseLimit};
 use rayloom::job::{Job, JobError, Listener, Moment, Outcome, SceneFormat, Stage, Target, include_folders, job_for_frame};
 use rayloom::lang::Stream;
 use rayloom::lang::options::{Environment, PovOptions, frames};
-use rayloom::scene::pass::LEFT_OUT;
 use rayloom::scene::{Pass, PassSet};
 use rayloom::world::DiskWorld;
 use std::path::{Path, PathBuf};
@@ -50,7 +49,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "A..B", value_parser = parse_range, conflicts_with = "spp")]
     samples: Option<(u32, u32)>,
     /// Passes to write besides the colours, with commas between, as layers of an .exr: depth, position, normal, uv, objectId, materialId,
-    /// albedo, diffuse|glossy|transmission + Direct|Indirect|Color, volumeDirect, volumeIndirect, emission, environment, cryptoObject,
+    /// albedo, denoisingNormal, diffuse|glossy|transmission + Direct|Indirect|Color, volumeDirect, volumeIndirect, emission, environment, mist, vector, ambientOcclusion, shadowCatcher, cryptoObject,
     /// cryptoMaterial, cryptoAsset, sampleCount, variance; or all, or none [default: what the scene asks for]
     #[arg(long, value_name = "NAMES", value_parser = parse_passes)]
     passes: Option<PassSet>,
@@ -79,6 +78,13 @@ pub struct RenderArgs {
     /// The library libOpenImageDenoise, or the folder that it is in [default: $RAYLOOM_OIDN, beside the program, the system's]
     #[arg(long, value_name = "PATH")]
     denoise_library: Option<PathBuf>,
+    /// Seconds of rendering at most, with the path integrator; the picture has the samples that there are then, one a pixel at least; 0 for no limit
+    /// [default: what the scene asks for]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    time_limit: Option<f64>,
+    /// All pixels get few samples, then more, instead of one block after the other (path integrator on the CPU)
+    #[arg(long)]
+    in_rounds: bool,
     /// POV-Ray's antialiasing of scenes: off, or a threshold from 0 to 1
     #[arg(long, value_name = "T", default_value = "0.3", value_parser = parse_antialias)]
     antialias: AntialiasArg,
@@ -255,7 +261,6 @@ fn parse_passes(text: &str) -> Result<PassSet, String> {
             ("none", _) => {}
             ("all", _) => set = PassSet::all(),
             (_, Some(pass)) => set = set.with(pass),
-            _ if LEFT_OUT.contains(&name) => return Err(format!("the pass '{name}' is not rendered yet")),
             _ => {
                 let names: Vec<&str> = Pass::all().map(Pass::name).collect();
                 return Err(format!("there is no pass '{name}'; there are {}", names.join(", ")));
@@ -263,6 +268,10 @@ fn parse_passes(text: &str) -> Result<PassSet, String> {
         }
     }
     Ok(set)
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|t: &f64| (0.0..=1e9).contains(t)).ok_or_else(|| "write seconds from 0 on, as in 60".into())
 }
 
 fn parse_threshold(text: &str) -> Result<f32, String> {
@@ -314,20 +323,23 @@ pub fn run(args: &RenderArgs) -> ExitCode {
 /// Says what was done; the error is an exit code.
 fn report(args: &RenderArgs, job: &Job, o: &Outcome, view: &ProgressView) -> Result<(), u8> {
     let [load, compile, trace, write] = o.seconds;
+    let (least, mean, most) = o.samples;
     if let Some(path) = &o.written {
         view.line(&format!(
-            "{} ({}x{}) on {} in {:.2} s\n",
+            "{} ({}x{}) on {} in {:.2} s{}\n",
             path.display(),
             job.render.width,
             job.render.height,
             o.device,
-            load + compile + trace + write
+            load + compile + trace + write,
+            if o.limited { format!(", {:.1} samples a pixel ({least} to {most}) in the time limit", mean) } else { String::new() }
         ));
     }
     let stats = serde_json::json!({
         "scene": job.source.path, "output": o.written, "device": o.device,
         "width": job.render.width, "height": job.render.height,
         "denoised": o.denoised.as_ref().map(|d| &d.0), "denoise_seconds": o.denoised.as_ref().map(|d| d.1),
+        "samples": {"least": least, "mean": mean, "most": most, "time_limit_reached": o.limited},
         "objects": o.counts[0], "primitives": o.counts[1], "lights": o.counts[2],
         "seconds": {"load": load, "compile": compile, "render": trace, "write": write},
         "peak_memory_bytes": rayloom::memory::peak(), "version": env!("CARGO_PKG_VERSION"),
@@ -450,6 +462,8 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
     job.noise = args.noise_threshold.map(limit);
     let wanted = denoise_settings(args.denoise_guides, args.denoise_prefilter, args.denoise_quality);
     job.denoise = if args.no_denoise { Some(None) } else { args.denoise.then_some(Some(wanted)) };
+    job.time_limit = args.time_limit;
+    job.render.in_rounds = args.in_rounds;
     job.denoise_library = args.denoise_library.clone();
     Ok(job)
 }

@@ -304,6 +304,7 @@ impl Flattener {
         ] {
             i.flags |= if object.traits.visibility.has(kind) { 0 } else { bit };
         }
+        i.flags |= if object.traits.shadow_catcher { 0 } else { prim_flags::NO_CATCHER };
         i.flags |= if object.traits.motion.len() > 1 { prim_flags::MOVING } else { 0 };
         i.hollow = f.hollow.or(i.hollow);
         if role == Role::Visible

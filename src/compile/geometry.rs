@@ -80,6 +80,8 @@ pub mod prim_flags {
     pub const NO_VOLUME: u32 = 1 << 18;
     /// Its object moves while the shutter is open: `ObjectRecord::motion`.
     pub const MOVING: u32 = 1 << 19;
+    /// No shadow catcher.
+    pub const NO_CATCHER: u32 = 1 << 20;
 }
 
 /// One leaf of the scene.

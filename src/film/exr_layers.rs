@@ -44,6 +44,11 @@ pub(super) fn encode(film: &Film, indices: &[usize]) -> Vec<AnyChannel<FlatSampl
         for (name, k) in channels(layer.pass) {
             let value = |i: &usize| {
                 let v = layer.values[i * w + k];
+                if layer.pass == Pass::Vector {
+                    // Of what moves alone.
+                    let met = layer.values[i * w + 4];
+                    return if met > 0.0 { v / met } else { 0.0 };
+                }
                 match divisor.map(|d| d.values[i * w + k]) {
                     None => v,
                     Some(color) if color > 0.0 => v / color,
@@ -59,11 +64,15 @@ pub(super) fn encode(film: &Film, indices: &[usize]) -> Vec<AnyChannel<FlatSampl
 /// Makes the film's layers from a file's channels; `places` are the film's pixels that the samples go to, one after the other.
 pub(super) fn decode<'c>(film: &mut Film, places: &[Option<usize>], channel: impl Fn(&str) -> Option<&'c FlatSamples>) {
     let n_pixels = film.pixels.len();
-    for pass in Pass::all().filter(|p| p.width() > 0) {
+    // What a file has of shadow catchers is no sum that could be added to.
+    for pass in Pass::all().filter(|p| p.width() > 0 && *p != Pass::ShadowCatcher) {
         let planes: Option<Vec<_>> = channels(pass).iter().map(|(name, k)| Some((channel(name)?, *k))).collect();
         let Some(planes) = planes else { continue };
         let w = pass.width();
         let mut values = vec![0.0; n_pixels * w];
+        if pass == Pass::Vector {
+            values.iter_mut().skip(4).step_by(w).for_each(|v| *v = 1.0);
+        }
         for (samples, k) in planes {
             for (from, to) in places.iter().enumerate() {
                 if let Some(to) = to {

@@ -1,5 +1,6 @@
 //! Pixels on their way out: gamma, files of every format, the state of an unfinished picture. Knows nothing of scenes or rays.
 
+mod catcher;
 pub mod cryptomatte;
 mod dither;
 mod encoding;
@@ -15,6 +16,7 @@ mod simple_files;
 pub mod state;
 mod write;
 
+pub use catcher::CatcherView;
 pub use dither::DitherMethod;
 pub use encoding::{Encoding, FileGamma, linear_from_srgb, srgb_from_linear};
 pub use error::FilmError;

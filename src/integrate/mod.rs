@@ -67,6 +67,10 @@ pub struct RenderSettings {
     pub passes: PassSet,
     /// Pixels below this noise get no more samples (path); none: all get all.
     pub noise: Option<NoiseLimit>,
+    /// All pixels get few samples, then more (path), so that the picture so far is one at any time.
+    pub in_rounds: bool,
+    /// Rendering ends after so long (path), but not before every pixel has a sample.
+    pub time_limit: Option<std::time::Duration>,
     /// Only what guides a denoiser (path): samples end where that is known, and have no colour.
     pub features_only: bool,
 }
@@ -87,6 +91,8 @@ impl RenderSettings {
             block_size: 32,
             passes: PassSet::NONE,
             noise: None,
+            in_rounds: false,
+            time_limit: None,
             features_only: false,
         }
     }

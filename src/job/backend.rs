@@ -8,6 +8,7 @@ use crate::diag::{Sink, SourceMap};
 use crate::film::Film;
 use crate::integrate::IntegratorKind;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 /// Which machine the user wants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -32,11 +33,15 @@ pub(super) fn render(
     listener: &dyn Listener,
     cancel: &AtomicBool,
 ) -> Result<(), BackendError> {
-    let mut on = |machine: &dyn Backend, film: &mut Film| {
+    // The limit is that of machines that have none of their own.
+    let mut on = |machine: &dyn Backend, film: &mut Film, limit: Option<Duration>| {
         *device = machine.name();
         let resumed_pixels = film.samples.iter().filter(|n| **n > 0).count() as u64;
         listener.stage(&Stage::Rendering { device: machine.name(), resumed_pixels });
-        machine.render(scene, &job.render, film, &Pixels(listener), cancel)
+        match limit {
+            None => machine.render(scene, &job.render, film, &Pixels(listener), cancel),
+            Some(limit) => super::timed::render(machine, scene, &job.render, limit, film, &Pixels(listener), cancel),
+        }
     };
     if job.render.integrator == IntegratorKind::Path {
         for (key, what) in crate::integrate::path::left_out(scene) {
@@ -50,11 +55,13 @@ pub(super) fn render(
     }
     if job.backend != BackendChoice::Cpu && cpu_only.is_none() {
         let layers = std::mem::take(&mut film.layers);
-        let result = gpu(job.backend, &job.gpu).and_then(|machine| on(machine.as_ref(), film)).and_then(|()| match layers.is_empty() {
-            true => Ok(()),
-            false => {
-                let cpu = CpuBackend::new(job.render.threads);
-                super::denoise::render_guides(job, film, |settings, guides| cpu.render(scene, settings, guides, &(), cancel))
+        let result = gpu(job.backend, &job.gpu).and_then(|machine| on(machine.as_ref(), film, job.render.time_limit)).and_then(|()| {
+            match layers.is_empty() {
+                true => Ok(()),
+                false => {
+                    let cpu = CpuBackend::new(job.render.threads);
+                    super::denoise::render_guides(job, film, |settings, guides| cpu.render(scene, settings, guides, &(), cancel))
+                }
             }
         });
         match (result, job.backend) {
@@ -73,7 +80,7 @@ pub(super) fn render(
         film.layers = Film::with_passes(film.width, film.height, job.render.passes).layers;
     }
     tell(sink, map, listener);
-    on(&CpuBackend::new(job.render.threads), film)
+    on(&CpuBackend::new(job.render.threads), film, None)
 }
 
 /// A GPU: for `auto` a real one only, since software drivers are slower than the CPU back end.

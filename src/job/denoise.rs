@@ -49,7 +49,7 @@ pub(super) fn render_guides(
     render: impl FnOnce(&RenderSettings, &mut Film) -> Result<(), crate::backend::BackendError>,
 ) -> Result<(), crate::backend::BackendError> {
     let samples = 0..(job.render.samples.len() as u32).min(GUIDE_SAMPLES);
-    let settings = RenderSettings { samples, noise: None, features_only: true, ..job.render.clone() };
+    let settings = RenderSettings { samples, noise: None, time_limit: None, features_only: true, ..job.render.clone() };
     let mut guides = Film::with_passes(film.width, film.height, settings.passes);
     render(&settings, &mut guides)?;
     film.layers = guides.layers;

@@ -8,6 +8,7 @@ mod load;
 mod pov;
 mod resume;
 mod settle;
+mod timed;
 mod write;
 
 pub use backend::BackendChoice;
@@ -19,12 +20,12 @@ use crate::backend::{BackendError, Progress};
 use crate::compile::{CompileError, CompileOptions};
 use crate::denoise::DenoiseError;
 use crate::diag::{Diagnostic, Sink, SourceMap};
-use crate::film::{Film, FilmError};
+use crate::film::{CatcherView, Film, FilmError};
 use crate::import::ImportError;
 use crate::integrate::{NoiseLimit, RenderSettings};
 use crate::lang::Stream;
-use crate::scene::PassSet;
 use crate::scene::denoise::DenoiseSettings;
+use crate::scene::{Pass, PassSet};
 use crate::world::WorldError;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -51,6 +52,8 @@ pub struct Job {
     pub passes: Option<PassSet>,
     /// The noise that pixels may keep; none said: what the scene asks for. Path integrator only.
     pub noise: Option<Option<NoiseLimit>>,
+    /// Seconds of rendering at most, 0 for no limit; none said: what the scene asks for. Path integrator only.
+    pub time_limit: Option<f64>,
     /// Denoising of the finished picture; none said: what the scene asks for. Path integrator only.
     pub denoise: Option<Option<DenoiseSettings>>,
     /// The denoiser's library, or the folder that it is in; none: where it is looked for (`denoise`).
@@ -104,6 +107,10 @@ pub struct Outcome {
     pub written: Option<PathBuf>,
     /// Objects, primitives and lights of the scene.
     pub counts: [usize; 3],
+    /// Samples of a pixel: fewest, mean, most.
+    pub samples: (u32, f64, u32),
+    /// A time limit ended the rendering.
+    pub limited: bool,
     /// How the picture was denoised, if it was, and the seconds that it took.
     pub denoised: Option<(String, f64)>,
 }
@@ -209,6 +216,14 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
         denoiser = denoise::of_scene(&mut job, &mut sink);
     }
     job.render.passes = denoise::with_guides(&job, job.render.passes);
+    // Catchers are shown by sums of their own.
+    let is_path = job.render.integrator == crate::integrate::IntegratorKind::Path;
+    if is_path && crate::integrate::path::has_catchers(&compiled) {
+        job.render.passes = job.render.passes.with(Pass::ShadowCatcher);
+    }
+    if let (Some(target), true) = (&mut job.target, is_path && crate::integrate::path::makes_holes(&compiled)) {
+        target.alpha = true;
+    }
     let job = &job;
     outcome.counts = [scene.objects.len(), compiled.geometry.prims.len(), compiled.lights.len()];
     drop(scene);
@@ -216,7 +231,9 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
 
     let fingerprint = resume::fingerprint(job, &map);
     let mut film = resume::film(job, &fingerprint, &mut sink);
+    let start = Instant::now();
     let result = backend::render(job, &compiled, &mut film, &mut outcome.device, &mut sink, &map, listener, cancel);
+    let spent = start.elapsed();
     tell(&mut sink, &map, listener);
     lap(&mut outcome.seconds[2]);
     let stopped = cancel.load(Ordering::Relaxed);
@@ -235,6 +252,11 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
             Ok(()) => JobError::Interrupted { saved },
         });
     }
+    outcome.samples = samples_of(&film, job.render.crop);
+    outcome.limited =
+        job.render.time_limit.is_some_and(|limit| spent >= limit.mul_f64(0.85)) && outcome.samples.0 < job.render.samples.len() as u32;
+    let apart = job.passes.is_some_and(|p| p.has(Pass::ShadowCatcher));
+    film.resolve_catchers(CatcherView { apart, transparent: compiled.settings.path.film_transparent || job.render.output_alpha });
     if let Some(denoiser) = &denoiser {
         let start = Instant::now();
         match denoise::run(job, denoiser, &mut film, listener, cancel) {
@@ -248,9 +270,9 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
                 return Err(error.into());
             }
         }
-        denoise::drop_guides(job, &mut film);
         lap(&mut outcome.seconds[3]);
     }
+    denoise::drop_guides(job, &mut film);
     if let Some(target) = &job.target {
         listener.stage(&Stage::Writing);
         outcome.written = target.write(job, &compiled, &film, &outcome)?;
@@ -261,6 +283,13 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     }
     lap(&mut outcome.seconds[3]);
     Ok(outcome)
+}
+
+/// Fewest, mean and most samples of the pixels of a part.
+fn samples_of(film: &Film, [x0, y0, x1, y1]: [u32; 4]) -> (u32, f64, u32) {
+    let all = || (y0..y1).flat_map(|y| (x0..x1).map(move |x| film.samples[film.index(x, y)]));
+    let sum: u64 = all().map(u64::from).sum();
+    (all().min().unwrap_or(0), sum as f64 / all().count().max(1) as f64, all().max().unwrap_or(0))
 }
 
 /// Passes pixels on to a listener.

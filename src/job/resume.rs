@@ -16,7 +16,7 @@ pub(super) fn state_path(job: &Job) -> Option<PathBuf> {
 pub(super) fn fingerprint(job: &Job, map: &SourceMap) -> String {
     let r = &job.render;
     let mut text = format!(
-        "{} {}x{} {:?} {:?} {:?} {:?} seed {} alpha {} blocks {} passes {:?} noise {:?} quality {} clock {} {:?} {:?}",
+        "{} {}x{} {:?} {:?} {:?} {:?} seed {} alpha {} blocks {} passes {:?} noise {:?} limit {:?} quality {} clock {} {:?} {:?}",
         job.source.path.display(),
         r.width,
         r.height,
@@ -29,6 +29,7 @@ pub(super) fn fingerprint(job: &Job, map: &SourceMap) -> String {
         r.block_size,
         r.passes,
         r.noise,
+        r.time_limit,
         job.compile.quality,
         job.source.lang.clock,
         job.source.lang.declares,

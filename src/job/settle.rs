@@ -20,6 +20,9 @@ pub(super) fn check(job: &Job) -> Result<(), JobError> {
     if let (Some(why), true) = (no_passes(job), job.passes.is_some_and(|p| !p.is_empty())) {
         return Err(JobError::Options(format!("passes cannot be written: {why}")));
     }
+    if job.time_limit.is_some_and(|t| t > 0.0) && job.render.integrator != IntegratorKind::Path {
+        return Err(JobError::Options("a time limit needs the path integrator (--integrator path)".into()));
+    }
     if job.noise.is_some_and(|n| n.is_some()) && job.render.integrator != IntegratorKind::Path {
         return Err(JobError::Options("a noise threshold needs the path integrator (--integrator path)".into()));
     }
@@ -38,6 +41,8 @@ pub(super) fn settled(job: &Job, scene: &Scene, sink: &mut Sink) -> Job {
     }
     job.passes = Some(job.render.passes);
     job.denoise = Some(job.denoise.unwrap_or(asked.denoise).filter(|_| is_path));
+    let seconds = job.time_limit.unwrap_or(f64::from(asked.time_limit));
+    job.render.time_limit = std::time::Duration::try_from_secs_f64(seconds).ok().filter(|t| is_path && !t.is_zero());
     let threshold = asked.adaptive_threshold;
     let own = (threshold > 0.0).then_some(NoiseLimit { threshold, min_samples: asked.adaptive_min_samples });
     job.render.noise = job.noise.unwrap_or(own).filter(|_| is_path);

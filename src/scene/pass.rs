@@ -48,6 +48,14 @@ pub enum Pass {
     Emission,
     /// The world behind all.
     Environment,
+    /// Distance in the mist's terms, 0 near, 1 far; 1 where nothing is.
+    Mist,
+    /// Motion in pixels, y up, from the frame before and to the next. A fifth value is the share of samples that met something.
+    Vector,
+    /// Share of the directions about the normal that nothing near by blocks.
+    AmbientOcclusion,
+    /// What shadow catchers do to the light behind them. Ten values while it is rendered (`film::catcher`).
+    ShadowCatcher,
     /// Shares of objects by name. Source: Friedman and Jones 2015, Cryptomatte specification 1.2.0.
     CryptoObject,
     /// The same of materials.
@@ -85,7 +93,7 @@ pub enum Join {
 type Row = (Pass, &'static str, &'static str, &'static str, Join);
 
 #[rustfmt::skip]
-const TABLE: [Row; 26] = [
+const TABLE: [Row; 30] = [
     (Pass::Depth, "depth", "Depth", "Z", Join::First),
     (Pass::Position, "position", "Position", "XYZ", Join::First),
     (Pass::Normal, "normal", "Normal", "XYZ", Join::Mean),
@@ -107,15 +115,16 @@ const TABLE: [Row; 26] = [
     (Pass::VolumeIndirect, "volumeIndirect", "VolumeInd", "RGB", Join::Mean),
     (Pass::Emission, "emission", "Emit", "RGB", Join::Mean),
     (Pass::Environment, "environment", "Env", "RGB", Join::Mean),
+    (Pass::Mist, "mist", "Mist", "Z", Join::Mean),
+    (Pass::Vector, "vector", "Vector", "XYZW", Join::Mean),
+    (Pass::AmbientOcclusion, "ambientOcclusion", "AO", "RGB", Join::Mean),
+    (Pass::ShadowCatcher, "shadowCatcher", "Shadow Catcher", "RGB", Join::Mean),
     (Pass::CryptoObject, "cryptoObject", "CryptoObject", "", Join::Crypto),
     (Pass::CryptoMaterial, "cryptoMaterial", "CryptoMaterial", "", Join::Crypto),
     (Pass::CryptoAsset, "cryptoAsset", "CryptoAsset", "", Join::Crypto),
     (Pass::SampleCount, "sampleCount", "Debug Sample Count", "X", Join::Count),
     (Pass::Variance, "variance", "Variance", "RGB", Join::Variance),
 ];
-
-/// Passes of Cycles that are not rendered yet.
-pub const LEFT_OUT: [&str; 4] = ["mist", "vector", "ambientOcclusion", "shadowCatcher"];
 
 impl Pass {
     /// All of them, in order.
@@ -147,9 +156,11 @@ impl Pass {
         self.row().4
     }
 
-    /// Numbers a pixel.
+    /// Numbers a pixel in the film; files hold as many of them as there are names of channels.
     pub fn width(self) -> usize {
         match self.join() {
+            _ if self == Self::Vector => 5,
+            _ if self == Self::ShadowCatcher => 10,
             Join::Crypto => 2 * CRYPTO_RANKS,
             Join::Count => 0,
             _ => self.channels().len(),
@@ -234,7 +245,6 @@ mod tests {
             assert_eq!(p as usize, k);
             assert_eq!(Pass::named(p.name()), Some(p));
         }
-        assert!(LEFT_OUT.iter().all(|n| Pass::named(n).is_none()));
     }
 
     #[test]

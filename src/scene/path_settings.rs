@@ -14,6 +14,8 @@ pub struct PathSettings {
     pub adaptive_threshold: f32,
     /// Fewest samples before a pixel may stop; 0: by the threshold.
     pub adaptive_min_samples: u32,
+    /// Seconds of rendering at most; 0 for no limit.
+    pub time_limit: f32,
     /// Most bounces of all kinds; 0 is direct light alone.
     pub max_bounces: u32,
     /// Most diffuse bounces.
@@ -48,6 +50,12 @@ pub struct PathSettings {
     pub film_transparent: bool,
     /// Passes that the scene asks for.
     pub passes: PassSet,
+    /// The mist pass.
+    pub mist: Mist,
+    /// How far the pass of ambient occlusion looks.
+    pub occlusion_distance: f32,
+    /// The motion's keys are the frame before, this and the next: they are for the vector pass, and the picture is of the middle.
+    pub still: bool,
     /// Denoising that the scene wants.
     pub denoise: Option<DenoiseSettings>,
 }
@@ -59,6 +67,7 @@ impl Default for PathSettings {
             seed: 0,
             adaptive_threshold: 0.0,
             adaptive_min_samples: 0,
+            time_limit: 0.0,
             max_bounces: 12,
             diffuse_bounces: 4,
             glossy_bounces: 4,
@@ -76,8 +85,28 @@ impl Default for PathSettings {
             exposure: 1.0,
             film_transparent: false,
             passes: PassSet::NONE,
+            mist: Mist::default(),
+            occlusion_distance: 10.0,
+            still: false,
             denoise: None,
         }
+    }
+}
+
+/// What the mist pass shows: distance from the camera, between two, along a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mist {
+    /// Where it begins.
+    pub start: f32,
+    /// From there to where it is all.
+    pub depth: f32,
+    /// Of the share of the way: 2 (Blender's default, "quadratic"), 1, 0.5.
+    pub exponent: f32,
+}
+
+impl Default for Mist {
+    fn default() -> Self {
+        Self { start: 5.0, depth: 25.0, exponent: 2.0 }
     }
 }
 

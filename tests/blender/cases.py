@@ -401,6 +401,65 @@ def case_denoise():
     del os.environ["RAYLOOM_OIDN"]
 
 
+def case_mist_motion_occlusion_and_catchers_are_cycles():
+    """Passes and shadow catchers in Blender's file beside Cycles' own of the same scene."""
+    scene = lit_room(samples=64, size=(64, 48))
+    scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling, scene.cycles.device = False, False, "CPU"
+    scene.cycles.samples = scene.rayloom.samples
+    scene.rayloom.follow_cycles = True
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.mist_settings.start, scene.world.mist_settings.depth, scene.world.light_settings.distance = 3, 8, 1.5
+    ball, layer = bpy.data.objects["Sphere"], bpy.context.view_layer
+    for frame, x in ((1, -2.0), (2, -1.7), (3, -1.2)):
+        ball.location.x = x
+        ball.keyframe_insert("location", frame=frame)
+    scene.frame_set(2)
+    for name in ("mist", "vector", "ambient_occlusion"):
+        setattr(layer, f"use_pass_{name}", True)
+
+    def both(names):
+        out = []
+        for engine in ("CYCLES", "RAYLOOM"):
+            scene.render.engine = engine
+            render(engine, layers=True)
+            planes, _ = layers_of(os.path.join(FOLDER, f"{engine}.exr"))
+            out.append({n: np.stack([planes[f"ViewLayer.{n}.{c}"] for c in channels], axis=-1) for n, channels in names})
+        return out
+
+    def held(name, theirs, ours, typical, mean):
+        middle, off = float(np.median(np.abs(theirs - ours))), float(np.abs(theirs.mean((0, 1)) - ours.mean((0, 1))).max())
+        say(f"{name}: Cycles {np.round(theirs.mean((0, 1)), 4).tolist()}, ours {np.round(ours.mean((0, 1)), 4).tolist()}, median difference {middle:.5f}")
+        assert np.abs(theirs).max() > 0 and middle < typical and off < mean, (name, middle, off)
+
+    theirs, ours = both((("Mist", "Z"), ("Vector", "XYZW"), ("AO", "RGB")))
+    held("Mist", theirs["Mist"], ours["Mist"], 0.001, 0.002)
+    held("AO", theirs["AO"], ours["AO"], 0.02, 0.005)
+    held("Vector", theirs["Vector"], ours["Vector"], 0.001, 0.02)
+    told = " ".join(log_texts())
+    assert "is not rendered" not in told, told
+    bpy.data.objects["Floor"].is_shadow_catcher = True
+    scene.render.film_transparent = True
+    theirs, ours = both((("Combined", "RGBA"),))
+    held("Combined over a catcher", theirs["Combined"], ours["Combined"], 0.01, 0.01)
+    layer.cycles.use_pass_shadow_catcher = True
+    theirs, ours = both((("Combined", "RGBA"), ("Shadow Catcher", "RGB")))
+    held("Combined beside the catcher's pass", theirs["Combined"], ours["Combined"], 0.01, 0.01)
+    held("Shadow Catcher", theirs["Shadow Catcher"], ours["Shadow Catcher"], 0.03, 0.01)
+
+
+def case_a_time_limit_ends_the_rendering():
+    """A picture is there when the time is over, all of it, and the log says how many samples it has."""
+    scene = lit_room(samples=1_000_000, size=(128, 96))
+    scene.rayloom.time_limit = 2.0
+    start = time.monotonic()
+    p = render()
+    took = time.monotonic() - start
+    told = [t for t in log_texts() if "samples a pixel" in t]
+    say(f"{took:.1f} s with a limit of 2 s; {told}")
+    assert took < 6.0 and len(told) == 1, (took, log_texts())
+    assert (p[..., 3] == 1).all() and p[..., :3].min() >= 0 and p[40:, :, :3].min() > 0, "every pixel has samples"
+
+
 def case_the_picture_so_far_is_shown():
     """While it renders, Blender gets what there is; the memory and the time left are told; the end is whole."""
     scene = new_scene((256, 256), samples=60)

@@ -63,7 +63,8 @@ class Exporter:
         for made in self._crowds.values():
             self._place_crowd(made)
         self._camera()
-        if self.scene.render.use_motion_blur and frame_set is not None:
+        blurred = self.scene.render.use_motion_blur
+        if (blurred or "vector" in extension["render"].get("passes", ())) and frame_set is not None:
             self._motion(frame_set)
         children = [n for n, _ in self.nodes]
         if children:
@@ -255,12 +256,12 @@ class Exporter:
         self.nodes.append((self._camera_node, ["camera"]))
 
     def _motion(self, frame_set):
-        """Matrices and deformed vertices at the shutter's open, middle and close."""
+        """Matrices and deformed vertices at the shutter's open, middle and close; for the vector pass at the frame before, this and the next."""
         render = self.gltf.document  # filled so far; only nodes and primitives are added to
         shutter = self.scene.render.motion_blur_shutter
         position = getattr(self.scene.render, "motion_blur_position", "CENTER")
         start = {"START": 0.0, "CENTER": -shutter / 2.0, "END": -shutter}[position]
-        times = [start, start + shutter / 2.0, start + shutter]
+        times = [start, start + shutter / 2.0, start + shutter] if self.scene.render.use_motion_blur else [-1.0, 0.0, 1.0]
         frame = self.scene.frame_current
         moments, vertices = [], []
         for t in times:

@@ -33,6 +33,7 @@ _PASSES = {
 _CYCLES_PASSES = {
     "use_pass_volume_direct": ("volumeDirect",),
     "use_pass_volume_indirect": ("volumeIndirect",),
+    "use_pass_shadow_catcher": ("shadowCatcher",),
     "pass_debug_sample_count": ("sampleCount",),
     "denoising_store_passes": ("albedo", "denoisingNormal", "depth"),
 }
@@ -65,9 +66,12 @@ def border_of(render):
     return [left, height - top, right, height - bottom]
 
 
-def wanted_passes(view_layer):
+def wanted_passes(view_layer, scene=None):
     """The passes that a view layer asks for, by their names in the file."""
     out = [name for switch, name in _PASSES.items() if getattr(view_layer, switch, False)]
+    if scene is not None and scene.render.use_motion_blur and "vector" in out:
+        # As in Cycles: a blurred picture has none.
+        out.remove("vector")
     cycles = getattr(view_layer, "cycles", None)
     for switch, names in _CYCLES_PASSES.items():
         if getattr(cycles, switch, False):
@@ -107,9 +111,15 @@ def render_record(scene, view_layer):
         out["motionBlur"] = {"shutter": r.motion_blur_shutter, "position": position.lower()}
         if getattr(c, "rolling_shutter_type", "NONE") == "TOP":
             out["motionBlur"]["rolling"] = c.rolling_shutter_duration
-    passes = wanted_passes(view_layer)
+    passes = wanted_passes(view_layer, scene)
     if passes:
         out["passes"] = passes
+    world = scene.world
+    if world is not None:
+        mist = world.mist_settings
+        falloff = {"QUADRATIC": "quadratic", "LINEAR": "linear", "INVERSE_QUADRATIC": "inverseQuadratic"}[mist.falloff]
+        out["mist"] = {"start": mist.start, "depth": mist.depth, "falloff": falloff}
+        out["occlusionDistance"] = world.light_settings.distance
     if c is None:
         return out
     samples = view_layer.samples if getattr(view_layer, "samples", 0) > 0 else c.samples

@@ -29,6 +29,7 @@ PASSES = {
     "emission": ("Emit", "RGB", "COLOR"),
     "environment": ("Env", "RGB", "COLOR"),
     "ambientOcclusion": ("AO", "RGB", "COLOR"),
+    "shadowCatcher": ("Shadow Catcher", "RGB", "COLOR"),
     "sampleCount": ("Debug Sample Count", "X", "VALUE"),
 }
 # The file's name → Blender's, before the number of the two ranks that a layer holds. Their channels are small letters in Cycles' files (measured, 4.5).

@@ -2,7 +2,7 @@
 
 use crate::compile::CompiledScene;
 use crate::kernel::camera::CameraModel;
-use crate::math::{DVec3, Ray, Vec3};
+use crate::math::{DMat3, DVec2, DVec3, Ray, Vec3};
 use crate::scene::camera::{CameraPose, Lens};
 use crate::scene::{Camera, Projection};
 use std::f64::consts::TAU;
@@ -61,6 +61,30 @@ impl PathCamera {
             (Projection::Perspective | Projection::Orthographic, Some(axis)) => to.dot(axis).abs(),
             _ => to.length(),
         }
+    }
+
+    /// Distance of a point from the camera; along its axis where its rays are parallel.
+    pub fn distance(&self, point: DVec3, time: f64) -> f64 {
+        match self.camera.projection {
+            Projection::Orthographic => self.depth(point, time),
+            _ => (point - self.pose(time.max(0.0)).location).length(),
+        }
+    }
+
+    /// Where a point is in the picture, in pixels from the lower left, y up; `None` behind the camera and where there is no picture plane.
+    pub fn project(&self, point: DVec3, time: f64) -> Option<DVec2> {
+        let pose = self.pose(time.max(0.0));
+        let axes = DMat3::from_cols(pose.direction, pose.right, pose.up);
+        if axes.determinant() == 0.0 {
+            return None;
+        }
+        let [along, x, y] = (axes.inverse() * (point - pose.location)).to_array();
+        let (a, b) = match self.camera.projection {
+            Projection::Perspective if along > 0.0 => (x / along, y / along),
+            Projection::Orthographic => (x, y),
+            _ => return None,
+        };
+        Some(DVec2::new((a + 0.5) * self.size.0, (b + 0.5) * self.size.1))
     }
 
     /// A direction in the camera's axes: x right, y up, z into the picture.

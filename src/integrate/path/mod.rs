@@ -7,8 +7,10 @@
 mod adaptive;
 mod bounce;
 pub mod camera;
+mod catcher;
 mod closure;
 pub mod filter;
+mod first_hit;
 #[cfg(test)]
 mod furnace_tests;
 pub mod lights;
@@ -29,6 +31,7 @@ mod trace;
 mod volume;
 
 pub use adaptive::{NoiseMap, STEP};
+pub use catcher::{has_catchers, makes_holes};
 pub use passes::manifests;
 pub use plan::PathPlan;
 pub use pov::left_out;

@@ -2,10 +2,11 @@
 
 use super::tests::{compiled, covered, floor, lambert, lamp, scene};
 use super::{PathPlan, PathTracer};
-use crate::film::{Film, PixelSamples};
+use crate::film::{CatcherView, Film, PixelSamples};
 use crate::math::{DVec3, Transform, Vec3};
 use crate::scene::lamp::LampShape;
 use crate::scene::pass::NO_DEPTH;
+use crate::scene::path_settings::Mist;
 use crate::scene::shader::{Closure, PrincipledClosure};
 use crate::scene::{Pass, PassSet, Scene, Shape};
 
@@ -119,4 +120,76 @@ fn variance_is_that_of_the_samples() {
     let mean = samples.iter().sum::<f64>() / 50.0;
     let want = samples.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / 49.0;
     assert!((f64::from(r.layers[0]) / want - 1.0).abs() < 1e-4, "{} not {want}", r.layers[0]);
+}
+
+#[test]
+fn mist_grows_with_the_distance_and_is_all_where_nothing_is() {
+    let mut s = scene(vec![floor(0.6)], vec![], Vec3::ONE);
+    s.settings.path.mist = Mist { start: 2.0, depth: 8.0, exponent: 2.0 };
+    let value = |s: &Scene| render(s, 4).layer(Pass::Mist).expect("there").at(5)[0];
+    // Distance 4: a quarter of the way.
+    assert!((value(&s) - 0.0625).abs() < 1e-4, "{}", value(&s));
+    s.objects.clear();
+    assert_eq!(value(&s), 1.0);
+}
+
+#[test]
+fn a_ceiling_shuts_half_of_the_sky_or_all_within_reach() {
+    let mut s = scene(vec![floor(0.2)], vec![], Vec3::ONE);
+    let value = |s: &Scene| (0..16).map(|at| rgb(&render(s, 256), Pass::AmbientOcclusion, at).x).sum::<f32>() / 16.0;
+    assert_eq!(value(&s), 1.0);
+    // Half of the cosine-weighted directions go to x > 0.
+    let mut lid = covered(Shape::Box { min: DVec3::new(0.0, -1e5, 5.0), max: DVec3::new(1e5, 1e5, 5.1) }, lambert(0.5));
+    lid.traits.name = "lid".into();
+    s.objects.push(lid);
+    s.settings.path.occlusion_distance = 1e9;
+    assert!((value(&s) - 0.5).abs() < 0.03, "{}", value(&s));
+    s.settings.path.occlusion_distance = 4.9;
+    assert_eq!(value(&s), 1.0, "too far away to count");
+}
+
+#[test]
+fn motion_is_told_in_pixels_and_the_picture_stands_still() {
+    let mut s = scene(vec![floor(0.6)], vec![], Vec3::ONE);
+    s.settings.path.still = true;
+    // The picture plane is 1 by 1 at 20: a step of 0.05 at distance 4 is a quarter of the picture's 4 pixels.
+    let keys = [-0.05, 0.0, 0.1].map(|x| Transform::translation(DVec3::new(x, 0.0, 0.0)));
+    s.objects[0].traits.motion = keys.to_vec().into();
+    let film = render(&s, 16);
+    let v = film.layer(Pass::Vector).expect("there").at(6);
+    for (got, want) in v.iter().zip([-1.0, 0.0, -2.0, 0.0, 1.0]) {
+        assert!((got - want).abs() < 1e-3, "{v:?}");
+    }
+}
+
+#[test]
+fn a_holdout_is_a_hole_for_the_camera_alone() {
+    let wall = |x: f64| covered(Shape::Box { min: DVec3::new(x, -9.0, 1.0), max: DVec3::new(x + 9.0, 9.0, 1.1) }, lambert(0.5));
+    let mut s = scene(vec![floor(0.6), wall(-9.0)], vec![], Vec3::ONE);
+    s.objects[1].traits.holdout = true;
+    let film = render(&s, 64);
+    let [hole, open] = [film.pixels[4], film.pixels[7]];
+    assert_eq!(hole, [0.0, 0.0, 0.0, 1.0]);
+    assert!(open[3] == 0.0 && open[0] > 0.3 && open[0] < 0.595, "the wall still takes light from the floor: {open:?}");
+}
+
+#[test]
+fn an_unshaded_catcher_is_white_and_a_shaded_one_is_what_comes_through() {
+    let mut s = scene(vec![floor(0.6)], vec![], Vec3::ONE);
+    s.objects[0].traits.shadow_catcher = true;
+    s.settings.path.film_transparent = true;
+    let view = CatcherView { apart: true, transparent: true };
+    let shown = |s: &Scene| {
+        let mut film = render(s, 256);
+        film.resolve_catchers(view);
+        let mean = (0..16).map(|at| rgb(&film, Pass::ShadowCatcher, at).x).sum::<f32>() / 16.0;
+        (mean, film.pixels[5])
+    };
+    assert_eq!(shown(&s), (1.0, [0.0, 0.0, 0.0, 1.0]));
+    // A black lid over x > 0 that the camera does not see keeps half of the sky away.
+    let mut lid = covered(Shape::Box { min: DVec3::new(0.0, -1e5, 5.0), max: DVec3::new(1e5, 1e5, 5.1) }, lambert(0.0));
+    lid.traits.name = "lid".into();
+    s.objects.push(lid);
+    let (half, _) = shown(&s);
+    assert!((half - 0.5).abs() < 0.03, "{half}");
 }

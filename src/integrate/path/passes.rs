@@ -3,6 +3,7 @@
 //! Which light counts as what is Cycles' way: by the lobes of the first bounce; "direct" is light of a lamp, a shining face or the world that
 //! bounced once. Colours and names are those of all surfaces that the camera's ray passes on its way to the first bounce.
 
+use super::catcher::{Part, mean};
 use super::closure::Shading;
 use super::plan::PathPlan;
 use super::surface::Surface;
@@ -115,11 +116,6 @@ pub(super) struct Gather {
     n: u32,
 }
 
-/// Mean of the channels.
-fn mean(c: Rgb) -> f32 {
-    c.element_sum() / 3.0
-}
-
 fn names_place(p: Pass) -> usize {
     p as usize - Pass::CryptoObject as usize
 }
@@ -160,6 +156,7 @@ impl Gather {
         self.met = false;
         self.clear = self.passes.has_any(&[Pass::Albedo, Pass::DenoisingNormal]).then_some(Vec3::ONE);
         self.put(Pass::Depth, &[NO_DEPTH]);
+        self.put(Pass::Mist, &[1.0]);
     }
 
     fn put(&mut self, p: Pass, values: &[f32]) {
@@ -210,6 +207,40 @@ impl Gather {
         }
     }
 
+    /// The camera's path meets its first shadow catcher with so much of it left; `behind` is the world's light from there.
+    pub fn catcher_met(&mut self, share: f32, behind: Rgb) {
+        self.add_at(Pass::ShadowCatcher, 6, &[share]);
+        self.add_at(Pass::ShadowCatcher, 7, &behind.to_array());
+    }
+
+    /// Nothing of a path that met no catcher blocks so much of the film.
+    pub fn left_open(&mut self, share: f32, part: Part) {
+        if part == Part::Before {
+            self.add_at(Pass::ShadowCatcher, 6, &[share]);
+        }
+    }
+
+    /// Light for the sums of catchers.
+    pub fn catcher_light(&mut self, light: Rgb, part: Part) {
+        match part {
+            Part::Alone => self.add_at(Pass::ShadowCatcher, 0, &light.to_array()),
+            Part::Before => self.add_at(Pass::ShadowCatcher, 3, &light.to_array()),
+            Part::After => {}
+        }
+    }
+
+    fn add_at(&mut self, p: Pass, first: usize, values: &[f32]) {
+        if self.passes.has(p) {
+            let at = self.places[p as usize] + first;
+            self.sample[at..at + values.len()].iter_mut().zip(values).for_each(|(v, x)| *v += x);
+        }
+    }
+
+    /// Whether a pass is wanted.
+    pub fn wants(&self, p: Pass) -> bool {
+        self.passes.has(p)
+    }
+
     /// Light of the picture; `bounces` are those of the path, `first` what its first was.
     pub fn light(&mut self, light: Rgb, from: From, bounces: u32, first: Shares) {
         if let (Some(seen_in), From::Met | From::World) = (self.clear, from) {
@@ -235,7 +266,8 @@ impl Gather {
     }
 
     /// A surface on the camera's ray, before the first bounce.
-    pub fn surface(&mut self, plan: &PathPlan, path: &Path, surface: &Surface, shading: &Shading, shader: Option<&Shader>) {
+    /// `openness` is that of the place, for ambient occlusion.
+    pub fn surface(&mut self, plan: &PathPlan, path: &Path, surface: &Surface, shading: &Shading, shader: Option<&Shader>, openness: f32) {
         let opacity = 1.0 - (shading.transparent.element_sum() / 3.0).clamp(0.0, 1.0);
         if !self.met && opacity >= ALPHA_THRESHOLD {
             self.met = true;
@@ -251,6 +283,15 @@ impl Gather {
             self.put(Pass::ObjectId, &[object.map_or(0, |o| o.traits.object_id) as f32]);
             self.put(Pass::MaterialId, &[shader.map_or(0, |s| s.material_id) as f32]);
         }
+        let share = mean(path.throughput) * opacity;
+        if self.wants(Pass::Mist) {
+            self.add_at(Pass::Mist, 0, &[-share * (1.0 - plan.mist(surface.hit.point, path.time))]);
+        }
+        if self.wants(Pass::Vector) {
+            let [a, b, c, d] = plan.motion_vector(surface, path.time).map(|v| v * share);
+            self.add_at(Pass::Vector, 0, &[a, b, c, d, share]);
+        }
+        self.add(Pass::AmbientOcclusion, Vec3::splat(share * openness));
         if self.passes.has_any(&[Pass::DiffuseColor, Pass::GlossyColor, Pass::TransmissionColor]) {
             let [mut diffuse, glossy, through] = shading.lobes.colors(surface.v);
             if let Some(s) = &shading.subsurface {
@@ -260,7 +301,6 @@ impl Gather {
             self.add(Pass::GlossyColor, path.throughput * glossy);
             self.add(Pass::TransmissionColor, path.throughput * through);
         }
-        let share = path.throughput.element_sum() / 3.0 * opacity;
         if share > 0.0 {
             let names = &plan.names;
             let object = surface.prim.object_ix as usize;
@@ -284,6 +324,7 @@ impl Gather {
             self.sample.fill(0.0);
             self.sample_names.clear();
             self.put(Pass::Depth, &[NO_DEPTH]);
+            self.put(Pass::Mist, &[1.0]);
         }
         let first = self.n == 0;
         for p in self.passes.iter() {

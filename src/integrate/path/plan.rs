@@ -39,6 +39,8 @@ pub struct PathPlan<'s> {
     /// What is gathered besides the colours.
     pub(super) passes: PassSet,
     pub(super) names: NameTable,
+    /// Some object is a shadow catcher.
+    pub(super) has_catchers: bool,
     /// Paths end where the denoiser's guides are known.
     pub(super) features_only: bool,
 }
@@ -67,6 +69,7 @@ impl<'s> PathPlan<'s> {
             passes: PassSet::NONE,
             names: NameTable::default(),
             features_only: false,
+            has_catchers: super::catcher::has_catchers(scene),
         };
         if has_volumes {
             plan.camera_volumes = plan.volumes_at(scene.camera.location);

@@ -187,11 +187,6 @@ pub fn left_out(scene: &crate::compile::CompiledScene) -> Vec<(&'static str, &'s
         "path-deform",
         "path tracing: moving vertices stand still",
     );
-    note(
-        scene.geometry.objects.iter().any(|o| o.traits.holdout || o.traits.shadow_catcher),
-        "path-catcher",
-        "path tracing: holdouts and shadow catchers are drawn like other objects",
-    );
     note(shaders().any(|s| s.surface.as_ref().is_some_and(has_skin)), "path-skin", "path tracing: light enters skin diffusely");
     note(scene.environment.as_ref().is_some_and(is_multiple), "path-sky", "path tracing: the sky scatters light once");
     list

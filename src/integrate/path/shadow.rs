@@ -1,10 +1,12 @@
 //! What a ray to a light keeps on its way.
 
+use super::catcher::Part;
 use super::closure::transparency;
 use super::plan::PathPlan;
 use super::surface::Surface;
 use super::volume::VolumeStack;
-use crate::kernel::traverse::{ShadowHit, intersect_shadow_at};
+use crate::compile::geometry::prim_flags;
+use crate::kernel::traverse::{ShadowHit, intersect_at, intersect_shadow_at};
 use crate::math::{DVec3, Ray, Rgb, Vec3};
 
 /// Rays do not see what is nearer than this to where they start. Meshes are tested in double precision on exact vertices.
@@ -26,12 +28,20 @@ pub(super) struct ShadowRay<'a> {
     pub passed: u32,
     /// Of random numbers for volumes.
     pub stream: u32,
+    /// Whose light it asks for.
+    pub part: Part,
 }
 
 impl PathPlan<'_> {
+    /// What a ray to a light meets first of the catchers.
+    fn among_catchers(&self, ray: &Ray, time: f64, left: f64) -> ShadowHit {
+        let skip = prim_flags::NO_CATCHER | prim_flags::NO_SHADOW;
+        intersect_at(self.scene, ray, time, NEAR, left, skip).map_or(ShadowHit::None, ShadowHit::Transparent)
+    }
+
     /// Share of light that comes through. `last` remembers what blocked a ray before.
     pub(super) fn transmittance(&self, to_light: &ShadowRay, last: &mut u32) -> Rgb {
-        let &ShadowRay { from, dir, distance, time, volumes, passed, stream } = to_light;
+        let &ShadowRay { from, dir, distance, time, volumes, passed, stream, part } = to_light;
         let mut throughput = Vec3::ONE;
         let mut volumes = *volumes;
         let mut ray = Ray::new(from, dir);
@@ -41,7 +51,11 @@ impl PathPlan<'_> {
             if left <= NEAR {
                 return throughput;
             }
-            match intersect_shadow_at(self.scene, &ray, time, NEAR, left, *last) {
+            let met = match part {
+                Part::Alone => self.among_catchers(&ray, time, left),
+                _ => intersect_shadow_at(self.scene, &ray, time, NEAR, left, *last),
+            };
+            match met {
                 ShadowHit::None => {
                     if self.has_volumes {
                         throughput *= self.volume_transmittance(&volumes, &ray, left.min(distance), stream ^ passed);

@@ -1,6 +1,7 @@
 //! One sample of a pixel: a path from the camera, light gathered at every hit.
 
 use super::bounce::{Bounces, RayKind};
+use super::catcher::{Part, mean};
 use super::closure::{Shading, View, shade};
 use super::passes::{From, Gather, Shares};
 use super::plan::PathPlan;
@@ -51,6 +52,7 @@ pub(super) struct Origin {
 }
 
 /// A path under way.
+#[derive(Clone)]
 pub(super) struct Path {
     pub ray: Ray,
     pub time: f64,
@@ -68,6 +70,8 @@ pub(super) struct Path {
     pub transmit: f32,
     /// What the first bounce was.
     pub first: Shares,
+    /// For shadow catchers.
+    pub part: Part,
 }
 
 /// Power heuristic.
@@ -113,7 +117,11 @@ impl<'p> PathTracer<'p> {
         let plan = self.plan;
         let sampler = Sampler::new(x, y, plan.seed, index);
         let u = sampler.camera();
-        let time = if plan.has_motion { f64::from(sampler.time()[0]) } else { -1.0 };
+        let time = match (plan.has_motion, plan.settings.still) {
+            (false, _) => -1.0,
+            (true, true) => 0.5,
+            (true, false) => f64::from(sampler.time()[0]),
+        };
         let (px, py) = (f64::from(x) + plan.filter.offset(u[0]), f64::from(y) + plan.filter.offset(u[1]));
         if let Some(g) = &mut self.gather {
             g.start_sample();
@@ -138,6 +146,7 @@ impl<'p> PathTracer<'p> {
             radiance: Vec3::ZERO,
             transmit: 0.0,
             first: Shares::DIFFUSE,
+            part: Part::Before,
         };
         self.trace(&mut path);
         let c = path.radiance * plan.settings.exposure;
@@ -149,10 +158,17 @@ impl<'p> PathTracer<'p> {
         c
     }
 
-    fn trace(&mut self, path: &mut Path) {
+    pub(super) fn trace(&mut self, path: &mut Path) {
         while path.step < MAX_STEPS {
             let survival = path.bounces.survival(path.throughput, &self.plan.settings);
-            let hit = intersect_at(self.plan.scene, &path.ray, path.time, NEAR, f64::INFINITY, path.bounces.kind.skip_flags());
+            let hit = intersect_at(
+                self.plan.scene,
+                &path.ray,
+                path.time,
+                NEAR,
+                f64::INFINITY,
+                path.bounces.kind.skip_flags() | path.part.skip_flags(),
+            );
             let t = hit.as_ref().map_or(f64::INFINITY, |h| h.t);
             // Lamps stand in the volumes: light of one comes through what lies before it alone.
             self.add_lamps(path, t);
@@ -181,6 +197,10 @@ impl<'p> PathTracer<'p> {
         let light = if limit > 0.0 && sum > limit { light * (limit / sum) } else { light };
         path.radiance += light;
         if let Some(g) = &mut self.gather {
+            g.catcher_light(light * s.exposure, path.part);
+            if path.part == Part::Alone {
+                return;
+            }
             g.light(light * s.exposure, from, bounces, path.first);
         }
     }
@@ -220,7 +240,10 @@ impl<'p> PathTracer<'p> {
         let kind = path.bounces.kind;
         let (o, dir) = (path.origin, path.ray.dir);
         if kind == RayKind::Camera && plan.output_alpha {
-            path.transmit += path.throughput.element_sum() / 3.0;
+            path.transmit += mean(path.throughput);
+            if let Some(g) = &mut self.gather {
+                g.left_open(mean(path.throughput), path.part);
+            }
             if plan.settings.film_transparent {
                 return;
             }
@@ -236,7 +259,7 @@ impl<'p> PathTracer<'p> {
     }
 
     /// Light at a hit, and the way on; false at the end of the path.
-    fn meet_surface(&mut self, path: &mut Path, hit: SurfaceHit, survival: f32) -> bool {
+    pub(super) fn meet_surface(&mut self, path: &mut Path, hit: SurfaceHit, survival: f32) -> bool {
         let plan = self.plan;
         let surface = Surface::new(plan.scene, hit, path.ray.dir, path.time);
         let (shader, cover) = plan.material(&surface);
@@ -250,12 +273,14 @@ impl<'p> PathTracer<'p> {
             // Light that goes below a surface would not be seen behind a diffuse one. Source: Cycles (measured).
             below: !path.bounces.has_been_diffuse(),
         };
-        let shading = match shader {
+        let mut shading = match shader {
             Some(shader) => shade(shader.surface.as_ref(), &surface, view),
             None => plan.pov_shading(&surface, cover, view),
         };
-        if let (Some(g), 0) = (&mut self.gather, path.bounces.total) {
-            g.surface(plan, path, &surface, &shading, shader);
+        if path.bounces.total == 0 {
+            self.split_at_catcher(path, &surface, hit, survival);
+            self.make_hole(path, &surface, &mut shading);
+            self.first_hit(path, &surface, &shading, shader);
         }
         if shading.emission.max_element() > 0.0 {
             let o = path.origin;
@@ -268,7 +293,7 @@ impl<'p> PathTracer<'p> {
             };
             self.add(path, path.throughput * shading.emission * balance(o.pdf, pdf), From::Met);
         }
-        if let Some(g) = &mut self.gather {
+        if let (Some(g), true) = (&mut self.gather, path.part != Part::Alone) {
             g.guide(plan, path, &surface, &shading);
             if plan.features_only && !g.wants_guides() {
                 return false;
@@ -377,7 +402,8 @@ impl<'p> PathTracer<'p> {
         let normal = light_normal(lobes);
         let point = surface.hit.point;
         let Some(light) = plan.lights.sample(plan.scene, &plan.shaders, point, normal, path.time, [u, v, pick]) else { return };
-        if !(light.radiance.max_element() > 0.0) || path.bounces.total > plan.lights.max_bounces(light.source) {
+        let shines = plan.shines_on(light.source, path.part);
+        if !shines || !(light.radiance.max_element() > 0.0) || path.bounces.total > plan.lights.max_bounces(light.source) {
             return;
         }
         let l = light.dir.as_vec3();
@@ -402,7 +428,16 @@ impl<'p> PathTracer<'p> {
                 volumes.cross(plan, surface, plan.material(surface).0);
             }
             let stream = path.sampler.stream(path.step);
-            let ray = ShadowRay { from, dir, distance, time: path.time, volumes: &volumes, passed: path.bounces.transparent, stream };
+            let ray = ShadowRay {
+                from,
+                dir,
+                distance,
+                time: path.time,
+                volumes: &volumes,
+                passed: path.bounces.transparent,
+                stream,
+                part: path.part,
+            };
             seen = plan.transmittance(&ray, &mut self.blocker);
         }
         if seen != Vec3::ZERO {
@@ -413,7 +448,7 @@ impl<'p> PathTracer<'p> {
 }
 
 /// Where a shadow ray starts: a little above smooth faces that the light grazes, as Cycles' "shadow terminator geometry offset" of 0.1.
-fn shadow_start(surface: &Surface, dir: DVec3) -> DVec3 {
+pub(super) fn shadow_start(surface: &Surface, dir: DVec3) -> DVec3 {
     const CUTOFF: f64 = 0.1;
     if !surface.is_smooth() {
         return surface.hit.point;

@@ -409,7 +409,16 @@ impl PathTracer<'_> {
         }
         let seen = if light.cast_shadow {
             let (time, passed) = (path.time, path.bounces.transparent);
-            let ray = ShadowRay { from: p, dir: light.dir, distance: light.distance, time, volumes: &path.volumes, passed, stream };
+            let ray = ShadowRay {
+                from: p,
+                dir: light.dir,
+                distance: light.distance,
+                time,
+                volumes: &path.volumes,
+                passed,
+                stream,
+                part: path.part,
+            };
             plan.transmittance(&ray, &mut self.blocker)
         } else {
             Vec3::ONE

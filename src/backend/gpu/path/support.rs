@@ -20,6 +20,7 @@ pub(super) fn first_obstacle(scene: &CompiledScene, plan: &PathPlan) -> Option<S
     let listed = [
         (shown().any(|p| plain(g.surfaces[p.surface_ix as usize].texture) || of_mesh(p)), "POV-Ray's textures"),
         (shown().any(|p| p.clip_len > 0 || p.flags & (prim_flags::BOUNDED | prim_flags::INVERTED) != 0), "clipped meshes"),
+        (crate::integrate::path::makes_holes(scene), "holdouts and shadow catchers"),
         (plan.has_motion, "motion blur"),
         (plan.has_volumes, "volumes"),
         (!plan.lights.plain.is_empty(), "light sources of POV-Ray"),

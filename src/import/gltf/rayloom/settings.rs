@@ -6,7 +6,7 @@ use super::record::Record;
 use crate::diag::Sink;
 use crate::scene::curves::CurveStyle;
 use crate::scene::denoise::{DenoiseQuality, DenoiseSettings, Guides, Prefilter};
-use crate::scene::path_settings::PixelFilter;
+use crate::scene::path_settings::{Mist, PixelFilter};
 use crate::scene::{Pass, Scene};
 
 /// The record `denoiser`, or its defaults.
@@ -70,9 +70,7 @@ pub(super) fn settings(r: &Record, scene: &mut Scene, sink: &mut Sink) -> Result
     } else {
         denoiser(r)?;
     }
-    if r.positive_or("timeLimit", 0.0)? > 0.0 {
-        sink.note_once("rayloom: time limit", None, "the scene's time limit is left out");
-    }
+    p.time_limit = r.positive_or("timeLimit", 0.0)? as f32;
     for name in r.words("passes")? {
         match Pass::named(name) {
             Some(pass) => p.passes = p.passes.with(pass),
@@ -81,6 +79,13 @@ pub(super) fn settings(r: &Record, scene: &mut Scene, sink: &mut Sink) -> Result
             }
         }
     }
+    if let Some(m) = r.record("mist")? {
+        let curves = [("quadratic", 2.0), ("linear", 1.0), ("inverseQuadratic", 0.5)];
+        let (start, depth) = (m.positive_or("start", 5.0)? as f32, m.positive_or("depth", 25.0)? as f32);
+        p.mist = Mist { start, depth, exponent: m.choice("falloff", 2.0, &curves)? as f32 };
+        m.finish()?;
+    }
+    p.occlusion_distance = r.positive_or("occlusionDistance", 10.0)? as f32;
     let mut shutter = Shutter::default();
     if let Some(m) = r.record("motionBlur")? {
         let length = m.positive_or("shutter", 0.5)?;
@@ -90,6 +95,9 @@ pub(super) fn settings(r: &Record, scene: &mut Scene, sink: &mut Sink) -> Result
             sink.note_once("rayloom: rolling shutter", None, "the rolling shutter is left out");
         }
         m.finish()?;
+    } else if p.passes.has(Pass::Vector) {
+        p.still = true;
+        shutter = Shutter { open: -1.0, close: 1.0 };
     }
     let mut style = CurveStyle::Ribbon;
     if let Some(h) = r.record("hair")? {
