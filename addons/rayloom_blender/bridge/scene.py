@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A depsgraph → one file. The order: world, then everything that is shown, crowds of instances, then where it is at the other moments of the shutter."""
 
+import bpy
 import numpy as np
 
 from ..core.glb import Gltf
@@ -163,7 +164,8 @@ class Exporter:
 
     def _mesh(self, obj, data, matrix):
         baked = []
-        materials = [self._material(s.material, obj, data, matrix, baked) for s in obj.material_slots]
+        shown = [s.material for s in obj.material_slots] or [None]
+        materials = [self._plain() if m is None else self._material(m, obj, data, matrix, baked) for m in shown]
         corner_uv = baked[0].corner_uv() if baked else None
         written = mesh.write_mesh(self.gltf, data, materials, obj.data.name if obj.data else obj.name, corner_uv)
         if written is None:
@@ -172,6 +174,12 @@ class Exporter:
         if obj.type == "MESH" and _deforms(obj):
             self._deforming[obj.original.name_full] = (ix, layout["source_vertex"], len(data.vertices))
         return ix
+
+    def _plain(self):
+        """Index of the material of surfaces that have none."""
+        if None not in self._materials:
+            self._materials[None] = self.gltf.append("materials", material.plain_record(bpy.app.version))
+        return self._materials[None]
 
     def _material(self, mat, obj, data, matrix, baked=None):
         """Index of a material for an object; the places of its faces are added to `baked` where it was baked over them."""

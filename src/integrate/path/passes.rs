@@ -279,6 +279,11 @@ impl Gather {
                 let uv = surface.uv(0);
                 self.put(Pass::Uv, &[uv.x as f32, 1.0 - uv.y as f32, 1.0]);
             }
+            if self.wants(Pass::Vector) {
+                let weight = mean(path.throughput);
+                let [a, b, c, d] = plan.motion_vector(surface, path.time).map(|v| v * weight);
+                self.put(Pass::Vector, &[a, b, c, d, weight]);
+            }
             let object = plan.scene.geometry.objects.get(surface.prim.object_ix as usize);
             self.put(Pass::ObjectId, &[object.map_or(0, |o| o.traits.object_id) as f32]);
             self.put(Pass::MaterialId, &[shader.map_or(0, |s| s.material_id) as f32]);
@@ -286,10 +291,6 @@ impl Gather {
         let share = mean(path.throughput) * opacity;
         if self.wants(Pass::Mist) {
             self.add_at(Pass::Mist, 0, &[-share * (1.0 - plan.mist(surface.hit.point, path.time))]);
-        }
-        if self.wants(Pass::Vector) {
-            let [a, b, c, d] = plan.motion_vector(surface, path.time).map(|v| v * share);
-            self.add_at(Pass::Vector, 0, &[a, b, c, d, share]);
         }
         self.add(Pass::AmbientOcclusion, Vec3::splat(share * openness));
         if self.passes.has_any(&[Pass::DiffuseColor, Pass::GlossyColor, Pass::TransmissionColor]) {
