@@ -70,7 +70,7 @@ mod tests {
         assert!(missing.contains("install") && missing.contains(&folder.path().display().to_string()), "{missing}");
         let file = folder.path().join(format!("{}.3.9", NAMES[0]));
         std::fs::write(&file, b"x").expect("writable");
-        assert_eq!(candidates(Some(folder.path())).expect("it is there"), [file.clone()]);
+        assert_eq!(candidates(Some(folder.path())).expect("it is there"), std::slice::from_ref(&file));
         let plain = folder.path().join(NAMES[0]);
         std::fs::write(&plain, b"x").expect("writable");
         assert_eq!(candidates(Some(folder.path())).expect("it is there"), [plain]);

@@ -13,7 +13,7 @@ const GUIDE_SAMPLES: u32 = 32;
 
 /// The denoiser that the command line asks for; loaded before anything else is done.
 pub(super) fn asked(job: &Job) -> Result<Option<Denoiser>, JobError> {
-    if !job.denoise.is_some_and(|d| d.is_some()) {
+    if job.denoise.flatten().is_none() {
         return Ok(None);
     }
     if job.render.integrator != IntegratorKind::Path {
