@@ -296,6 +296,10 @@ impl HitSink for Nearest<'_> {
         if self.stop_at_first && self.found() { f64::NEG_INFINITY } else { self.t / self.per_local }
     }
 
+    fn time(&self) -> f64 {
+        self.time
+    }
+
     fn within(&self) -> Option<(f64, f64)> {
         let g = &self.scene.geometry;
         let (b, prim) = (&g.bounds[self.prim as usize], &g.prims[self.prim as usize]);
@@ -316,19 +320,26 @@ pub fn motion_at(g: &Geometry, prim: &Prim, time: f64) -> Transform {
 fn surface_hit(scene: &CompiledScene, ray: &Ray, time: f64, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
     let g = &scene.geometry;
     let prim = &g.prims[prim_ix as usize];
-    if prim.flags & prim_flags::MOVING != 0 && time >= 0.0 {
-        let motion = motion_at(g, prim, time);
-        let rest = surface_hit(scene, &ray.into_object(&motion), REST, t, prim_ix, part);
-        let normal = motion.normal(rest.normal).try_normalize().unwrap_or(rest.normal);
-        return SurfaceHit { point: ray.at(t), normal, ..rest };
+    if prim.flags & prim_flags::MOVING == 0 || time < 0.0 {
+        return placed_hit(scene, ray, time, t, prim_ix, part);
     }
+    let motion = motion_at(g, prim, time);
+    let placed = placed_hit(scene, &ray.into_object(&motion), time, t, prim_ix, part);
+    let normal = motion.normal(placed.normal).try_normalize().unwrap_or(placed.normal);
+    SurfaceHit { point: ray.at(t), normal, ..placed }
+}
+
+/// The same where the object rests; its vertices are where they are at `time`.
+fn placed_hit(scene: &CompiledScene, ray: &Ray, time: f64, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
+    let g = &scene.geometry;
+    let prim = &g.prims[prim_ix as usize];
     let point = ray.at(t);
     let (local, n) = if prim.transform_ix == 0 {
-        (point, world_normal(scene, prim, None, point, part))
+        (point, world_normal(scene, prim, None, point, part, time))
     } else {
         let transform = &g.transforms[prim.transform_ix as usize];
         let local = transform.inverse_point(point);
-        (local, world_normal(scene, prim, Some(transform), local, part))
+        (local, world_normal(scene, prim, Some(transform), local, part, time))
     };
     let n = n.try_normalize().unwrap_or(DVec3::X);
     SurfaceHit {

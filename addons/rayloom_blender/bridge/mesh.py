@@ -41,10 +41,17 @@ def ordered_colors(mesh):
     return [a for _, _, a in sorted(known, key=lambda item: item[:2])]
 
 
+def normals_of(mesh, domain):
+    """Normals of vertices (domain POINT) or corners (CORNER), or `None` where faces are flat."""
+    if domain == "POINT":
+        return read_array(mesh.vertex_normals, "vector", np.float32, 3)
+    return read_array(mesh.corner_normals, "vector", np.float32, 3) if domain == "CORNER" else None
+
+
 def layout_of(mesh):
     """What moves no vertex: triangles and how corners share vertices, with the attributes; `None` without triangles.
 
-    A dictionary: `source_vertex`, `source_corner`, `indices` (triangles, 3), `polygon` of each triangle, `normals` or `None` where all faces are
+    A dictionary: `source_vertex`, `source_corner` (that of corners alone), `domain` of the normals, `indices` (triangles, 3), `polygon` of each triangle, `normals` or `None` where all faces are
     flat, `uvs` and `colors` as lists of (name, array).
     """
     mesh.calc_loop_triangles()
@@ -55,9 +62,8 @@ def layout_of(mesh):
     corner_vertex = read_array(mesh.loops, "vertex_index", np.int32, 1)
     n_vertices = len(mesh.vertices)
     domain = mesh.normals_domain
-    corner_normals = None
-    if domain == "CORNER":
-        corner_normals = read_array(mesh.corner_normals, "vector", np.float32, 3)
+    own_normals = normals_of(mesh, domain)
+    corner_normals = own_normals if domain == "CORNER" else None
     uvs = [(layer.name, read_array(layer.uv, "vector", np.float32, 2)) for layer in ordered_uvs(mesh)]
     colors = [(a.name, _corner_colors(mesh, a, corner_vertex)) for a in ordered_colors(mesh)]
     attributes = [a for _, a in uvs + colors]
@@ -65,13 +71,15 @@ def layout_of(mesh):
         attributes.append(corner_normals)
     source_vertex, source_corner, corner_index = split_corners(corner_vertex, n_vertices, attributes)
     if domain == "POINT":
-        normals = read_array(mesh.vertex_normals, "vector", np.float32, 3)[source_vertex]
+        normals = own_normals[source_vertex]
     elif domain == "CORNER":
         normals = corner_normals[source_corner]
     else:
         normals = None
     return {
         "source_vertex": source_vertex,
+        "source_corner": source_corner,
+        "domain": domain,
         "indices": corner_index[corners],
         "polygon": polygon,
         "normals": normals,
@@ -87,6 +95,7 @@ def _unshared(layout, corner_uv):
     return {
         **layout,
         "source_vertex": layout["source_vertex"][flat],
+        "source_corner": layout["source_corner"][flat],
         "indices": np.arange(len(flat), dtype=np.uint32).reshape(-1, 3),
         "normals": None if layout["normals"] is None else layout["normals"][flat],
         "uvs": [*gather(layout["uvs"]), ("baked", corner_uv.reshape(-1, 2))],
@@ -142,8 +151,12 @@ def _by_slot(mesh, layout, n_slots):
     return [(int(k), indices[slot == k]) for k in np.unique(slot)]
 
 
-def write_motion(gltf, mesh_ix, times, steps):
-    """Adds vertex positions at `times` (frames from the frame) to all primitives of a mesh."""
-    motion = {"times": times, "positions": [gltf.accessor(p, ARRAY_BUFFER, bounds=True) for p in steps]}
+def write_motion(gltf, mesh_ix, layout, times, steps):
+    """Adds vertices and normals at `times` (frames from the frame) to all primitives of a mesh; a step is what `positions_of` and `normals_of` give."""
+    source = layout["source_vertex"]
+    motion = {"times": times, "positions": [gltf.accessor(p[source], ARRAY_BUFFER, bounds=True) for p, _ in steps]}
+    if all(n is not None for _, n in steps):
+        source = source if layout["domain"] == "POINT" else layout["source_corner"]
+        motion["normals"] = [gltf.accessor(n[source], ARRAY_BUFFER) for _, n in steps]
     for primitive in gltf.document["meshes"][mesh_ix]["primitives"]:
         primitive["extensions"] = {NAME: {"motion": motion}}

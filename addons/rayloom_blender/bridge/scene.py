@@ -2,11 +2,10 @@
 """A depsgraph → one file. The order: world, then everything that is shown, crowds of instances, then where it is at the other moments of the shutter."""
 
 import bpy
-import numpy as np
 
 from ..core.glb import Gltf
 from ..core.schema import NAME, VERSION
-from . import crowd, hair, instance, light, material, mesh
+from . import crowd, hair, instance, light, material, mesh, motion
 from .camera import camera_record
 from .image import Images
 from .settings import render_record
@@ -42,7 +41,7 @@ class Exporter:
         self._crowds, self._known = {}, {}
         self._meshes, self._materials, self._lights, self._curves = {}, {}, {}, {}
         self._atlases = {}  # by the keys of materials that were baked over faces
-        self._deforming = {}
+        self.deforming = {}  # by object: index of the mesh, its layout, numbers of vertices and corners
         self._reported = set()
         self._camera_node = None
 
@@ -66,7 +65,7 @@ class Exporter:
         self._camera()
         blurred = self.scene.render.use_motion_blur
         if (blurred or "vector" in extension["render"].get("passes", ())) and frame_set is not None:
-            self._motion(frame_set)
+            motion.write_motion(self, frame_set, blurred)
         children = [n for n, _ in self.nodes]
         if children:
             gltf.document["nodes"][root]["children"] = children
@@ -171,8 +170,8 @@ class Exporter:
         if written is None:
             return None
         ix, layout = written
-        if obj.type == "MESH" and _deforms(obj):
-            self._deforming[obj.original.name_full] = (ix, layout["source_vertex"], len(data.vertices))
+        if obj.type == "MESH" and motion.deforms(obj):
+            self.deforming[obj.original.name_full] = (ix, layout, (len(data.vertices), len(data.loops)))
         return ix
 
     def _plain(self):
@@ -263,64 +262,8 @@ class Exporter:
         self._camera_node = self.gltf.append("nodes", record)
         self.nodes.append((self._camera_node, ["camera"]))
 
-    def _motion(self, frame_set):
-        """Matrices and deformed vertices at the shutter's open, middle and close; for the vector pass at the frame before, this and the next."""
-        render = self.gltf.document  # filled so far; only nodes and primitives are added to
-        shutter = self.scene.render.motion_blur_shutter
-        position = getattr(self.scene.render, "motion_blur_position", "CENTER")
-        start = {"START": 0.0, "CENTER": -shutter / 2.0, "END": -shutter}[position]
-        times = [start, start + shutter / 2.0, start + shutter] if self.scene.render.use_motion_blur else [-1.0, 0.0, 1.0]
-        frame = self.scene.frame_current
-        moments, vertices = [], []
-        for t in times:
-            at = frame + t
-            frame_set(int(np.floor(at)), float(at - np.floor(at)))
-            moments.append(self._places())
-            vertices.append(self._vertices())
-        frame_set(frame, 0.0)
-        for ix, keys in self.nodes:
-            matrices = [[m.get(key) for m in moments] for key in keys or []]
-            # What is not there at each of the times has no place to move to.
-            if not matrices or any(m is None for steps in matrices for m in steps):
-                continue
-            if all(m == steps[1] for steps in matrices for m in steps):
-                continue
-            array = np.array([instance.column_major(m) for steps in matrices for m in steps], np.float32)
-            motion = {"times": times, "matrices": self.gltf.accessor(array)}
-            render["nodes"][ix].setdefault("extensions", {}).setdefault(NAME, {})["motion"] = motion
-        for name, (ix, source_vertex, _) in self._deforming.items():
-            steps = [v.get(name) for v in vertices]
-            if any(s is None for s in steps):
-                self.log(f"Object '{name}'", "its vertices change in number: it is not blurred")
-            elif any((s != steps[1]).any() for s in steps):
-                mesh.write_motion(self.gltf, ix, times, [s[source_vertex] for s in steps])
-
-    def _places(self):
-        places = {shown.key: shown.matrix for shown in instance.walk(self.depsgraph)}
-        camera = self.scene.camera
-        if camera is not None:
-            places["camera"] = camera.evaluated_get(self.depsgraph).matrix_world.copy()
-        return places
-
-    def _vertices(self):
-        """Vertices of all deforming meshes, by object."""
-        out = {}
-        for shown in instance.walk(self.depsgraph):
-            name = shown.obj.original.name_full
-            if name in self._deforming and name not in out and shown.obj.type == "MESH":
-                if len(shown.obj.data.vertices) == self._deforming[name][2]:
-                    out[name] = mesh.positions_of(shown.obj.data)
-        return out
-
 
 def _shows_hair(modifier):
     """Whether a particle system renders its particles as hair."""
     settings = modifier.particle_system.settings
     return settings.type == "HAIR" and settings.render_type == "PATH"
-
-
-def _deforms(obj):
-    """Whether an object's vertices may move in time."""
-    original = obj.original
-    keys = original.data.shape_keys if hasattr(original.data, "shape_keys") else None
-    return bool(keys) or any(m.show_render for m in original.modifiers)

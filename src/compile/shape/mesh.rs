@@ -1,5 +1,6 @@
 //! Meshes ready to be hit, and bicubic patches cut into triangles. Source: spec/objects.md, section 6.
 
+use super::moving_mesh::{Moment, MovingMesh};
 use super::triangle_pack::TrianglePack;
 use crate::accel::{Accel, AccelKind, AccelOptions, NO_PRIM, PACK, TrianglePrims};
 use crate::math::{Bounds, DVec2, DVec3, Transform, Vec3};
@@ -13,12 +14,14 @@ pub struct MeshShape {
     pub mesh: Arc<Mesh>,
     /// `mesh.textures` as indices of `TextureTables::textures`.
     pub textures: Vec<u32>,
-    /// Box in mesh space.
+    /// Box in mesh space, of the mesh at rest.
     pub bounds: Bounds,
     /// Over the faces.
     pub tree: Accel,
     /// Corners of the faces slot by slot.
     pub corners: Corners,
+    /// How the vertices move while the shutter is open; `None`: they stand still.
+    pub moving: Option<MovingMesh>,
 }
 
 /// Corners of the face in each slot of a mesh's tree: one place in memory a test in place of four, and neighbours side by side.
@@ -55,12 +58,31 @@ impl MeshShape {
         let bounds = Bounds::from_points(used);
         let tree = Accel::build(accel, &TrianglePrims { vertices: &mesh.vertices, faces: &mesh.faces }, &AccelOptions::default());
         let corners = Corners::new(&tree, &mesh);
-        Some(Self { mesh, textures, bounds, tree, corners })
+        let moving = MovingMesh::new(&mesh, accel);
+        Some(Self { mesh, textures, bounds, tree, corners, moving })
     }
 
-    /// Corners of a face.
+    /// Corners of a face at rest.
     pub fn corners(&self, face: u32) -> [DVec3; 3] {
         self.mesh.faces[face as usize].map(|v| self.mesh.vertices[v as usize].as_dvec3())
+    }
+
+    /// Corners of a face at `time`; below 0 at rest.
+    pub fn corners_at(&self, face: u32, time: f64) -> [DVec3; 3] {
+        match self.moment(time) {
+            Some(m) => self.mesh.faces[face as usize].map(|v| m.vertex(&self.mesh, v).as_dvec3()),
+            None => self.corners(face),
+        }
+    }
+
+    /// Normal `ix` at `time`; below 0 at rest.
+    pub fn normal_at(&self, ix: u32, time: f64) -> DVec3 {
+        let moved = self.moment(time).and_then(|m| m.normal(&self.mesh, ix));
+        moved.unwrap_or_else(|| self.mesh.normals.get(ix as usize).map_or(DVec3::ZERO, |n| n.as_dvec3()))
+    }
+
+    fn moment(&self, time: f64) -> Option<Moment> {
+        (self.moving.is_some() && time >= 0.0).then(|| Moment::of(&self.mesh, time))
     }
 
     /// Corners of the face in a slot of the tree.
@@ -72,8 +94,11 @@ impl MeshShape {
         }
     }
 
-    /// World box of the vertices.
+    /// World box of the vertices, wherever they are while the shutter is open.
     pub fn world_bounds(&self, t: &Transform) -> Bounds {
+        if let Some(moving) = &self.moving {
+            return self.bounds.union(moving.bounds).transformed(t);
+        }
         if self.mesh.vertices.len() > 10_000 {
             return self.bounds.transformed(t);
         }

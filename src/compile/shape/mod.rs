@@ -8,6 +8,7 @@ pub mod hair;
 pub mod height;
 pub mod implicit;
 pub mod mesh;
+pub mod moving_mesh;
 pub mod simple;
 pub mod sweep;
 pub mod swept;

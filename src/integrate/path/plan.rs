@@ -52,6 +52,7 @@ impl<'s> PathPlan<'s> {
         let shaders: Vec<Arc<Shader>> = scene.textures.principled.iter().map(shader_of).collect();
         let lights = LightSet::new(scene, &shaders);
         let moves = scene.geometry.prims.iter().any(|p| p.flags & prim_flags::MOVING != 0);
+        let deforms = scene.geometry.shapes.meshes.iter().any(|m| m.moving.is_some());
         let has_volumes = shaders.iter().any(|s| s.volume.is_some()) || scene.environment.as_ref().is_some_and(|e| e.volume.is_some());
         let mut plan = Self {
             scene,
@@ -62,7 +63,7 @@ impl<'s> PathPlan<'s> {
             grid_summaries: shaders.iter().map(|s| s.volume.as_ref().map_or((0.0, 0.0), grid_summary)).collect(),
             shaders,
             seed: seed ^ settings.seed,
-            has_motion: moves || scene.camera.motion.len() > 1,
+            has_motion: moves || deforms || scene.camera.motion.len() > 1,
             has_volumes,
             output_alpha: output_alpha || settings.film_transparent,
             settings,

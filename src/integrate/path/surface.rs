@@ -28,6 +28,9 @@ pub struct Surface<'s> {
     mesh: Option<&'s MeshShape>,
     /// World from the shape's space, at the ray's time.
     transform: Transform,
+    /// Of a mesh: the face's corners in its space, at that time.
+    corners: [DVec3; 3],
+    time: f64,
     fibre: Option<(Vec3, f32)>,
 }
 
@@ -51,11 +54,13 @@ impl<'s> Surface<'s> {
             let tangent = transform.vector(segment.tangent(hit.barycentric.x)).normalize_or(DVec3::X);
             let n = (tangent * tangent.dot(dir) - dir).try_normalize().unwrap_or(-dir);
             let fibre = Some((tangent.as_vec3(), hit.barycentric.y as f32));
-            return Self { scene, hit, prim, v: -dir.as_vec3(), flat: n, normal: n, backfacing: false, mesh: None, transform, fibre };
+            let (v, corners) = (-dir.as_vec3(), [DVec3::ZERO; 3]);
+            return Self { scene, hit, prim, v, flat: n, normal: n, backfacing: false, mesh: None, transform, corners, time, fibre };
         }
+        let corners = mesh.map_or([DVec3::ZERO; 3], |m| m.corners_at(hit.face_ix, time));
         let (front, smooth) = match mesh {
             Some(mesh) => {
-                let [a, b, c] = mesh.corners(hit.face_ix);
+                let [a, b, c] = corners;
                 // Corners run counterclockwise seen from the front; a mirroring transform turns that round.
                 let n = transform.normal((b - a).cross(c - a)).try_normalize().unwrap_or(hit.normal);
                 let is_smooth = mesh.mesh.normal_indices.get(hit.face_ix as usize).is_some_and(|n| n[0] != u32::MAX);
@@ -67,7 +72,8 @@ impl<'s> Surface<'s> {
         let front = if smooth.dot(front) < 0.0 { -front } else { front };
         let backfacing = front.dot(dir) > 0.0;
         let sign = if backfacing { -1.0 } else { 1.0 };
-        Self { scene, hit, prim, v: -dir.as_vec3(), flat: front * sign, normal: smooth * sign, backfacing, mesh, transform, fibre: None }
+        let (v, flat, normal) = (-dir.as_vec3(), front * sign, smooth * sign);
+        Self { scene, hit, prim, v, flat, normal, backfacing, mesh, transform, corners, time, fibre: None }
     }
 
     /// Texture coordinates of a set.
@@ -207,7 +213,7 @@ impl<'s> Surface<'s> {
     fn uv_derivatives(&self, set: u32, place: impl Fn(DVec2) -> DVec2) -> Option<(DVec3, DVec3)> {
         let mesh = self.mesh?;
         let (uvs, ix) = self.uv_corners(mesh, set)?;
-        let [p0, p1, p2] = mesh.corners(self.hit.face_ix);
+        let [p0, p1, p2] = self.corners;
         let uv = ix.map(|k| uvs.get(k as usize).map_or(DVec2::ZERO, |c| DVec2::new(c[0].into(), c[1].into())));
         let [c0, c1, c2] = uv.map(place);
         let (e1, e2, d1, d2) = (p1 - p0, p2 - p0, c1 - c0, c2 - c0);
@@ -252,7 +258,7 @@ impl<'s> Surface<'s> {
     pub fn raised_point(&self, outward: DVec3) -> DVec3 {
         let Some(mesh) = self.mesh else { return self.hit.point };
         let Some(ix) = mesh.mesh.normal_indices.get(self.hit.face_ix as usize).filter(|n| n[0] != u32::MAX) else { return self.hit.point };
-        let corners = mesh.corners(self.hit.face_ix);
+        let corners = self.corners;
         let b = self.hit.barycentric;
         let weights = [1.0 - b.x - b.y, b.x, b.y];
         let local = weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
@@ -260,7 +266,7 @@ impl<'s> Surface<'s> {
         let side = if self.backfacing { -side } else { side };
         let mut lift = DVec3::ZERO;
         for k in 0..3 {
-            let n = mesh.mesh.normals.get(ix[k] as usize).map_or(DVec3::ZERO, |n| n.as_dvec3()) * side;
+            let n = mesh.normal_at(ix[k], self.time) * side;
             let below = (local - corners[k]).dot(n).min(0.0);
             lift -= weights[k] * below * n;
         }

@@ -146,12 +146,11 @@ struct Crossings<'a, S> {
 impl<S: HitSink> Crossings<'_, S> {
     /// Takes up a hit `(t, a, b)`; gives the depth that still matters if it is a nearer one.
     #[inline(always)]
-    fn offer(&mut self, (t, a, b): (f64, f64, f64), slot: u32, far: f64) -> Option<f64> {
+    fn offer(&mut self, (t, a, b): (f64, f64, f64), face: u32, far: f64) -> Option<f64> {
         if !(t > TOLERANCE && t <= far && t < MAX_DISTANCE) {
             return None;
         }
         // On an edge the face that comes first in the mesh wins, whatever the order of the tree.
-        let face = self.mesh.tree.prim_at(slot);
         if t == self.last.0 && face >= self.last.1 {
             return None;
         }
@@ -171,7 +170,7 @@ impl<S: HitSink> LeafVisitor for Crossings<'_, S> {
             let lane = met.trailing_zeros();
             met &= met - 1;
             if let Some(hit) = test.hit(self.ray, lane as usize) {
-                far = self.offer(hit, first + lane, far).unwrap_or(far);
+                far = self.offer(hit, self.mesh.tree.prim_at(first + lane), far).unwrap_or(far);
             }
         }
         Some(far)
@@ -184,11 +183,21 @@ pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
     let sheared = ShearedRay::new(ray);
     let (walked, far) = (Ray::new(ray.origin, ray.dir), sink.far().min(MAX_DISTANCE));
     let mut found = Crossings { mesh: s, packs: &[], ray: &sheared, sink, last: (f64::INFINITY, u32::MAX) };
+    if let Some(moving) = &s.moving
+        && found.sink.time() >= 0.0
+    {
+        let (tree, moment) = moving.at(found.sink.time());
+        let hit = |face: u32| sheared.hit(&s.mesh.faces[face as usize].map(|v| moment.vertex(&s.mesh, v)));
+        return tree.closest(&walked, 0.0, far, |face, far| found.offer(hit(face)?, face, far));
+    }
     match (&s.tree, &s.corners) {
         (Accel::Bvh8(tree), Corners::Packs(packs)) => {
             tree.visit_leaves(&walked, 0.0, far, Crossings { packs, ..found });
         }
-        (tree, _) => tree.closest_slots(&walked, 0.0, far, |slot, far| found.offer(sheared.hit(&s.slot_corners(slot))?, slot, far)),
+        (tree, _) => tree.closest_slots(&walked, 0.0, far, |slot, far| {
+            let hit = sheared.hit(&s.slot_corners(slot))?;
+            found.offer(hit, s.tree.prim_at(slot), far)
+        }),
     }
 }
 
@@ -217,22 +226,22 @@ pub fn inside_mesh(s: &MeshShape, p: DVec3) -> bool {
     })
 }
 
-/// Interpolated where the face has normals, else the face's.
-pub fn mesh_normal(s: &MeshShape, part: &Part) -> DVec3 {
+/// Interpolated where the face has normals, else the face's; at `time`, below 0 at rest.
+pub fn mesh_normal(s: &MeshShape, part: &Part, time: f64) -> DVec3 {
     let normals = s.mesh.normal_indices.get(part.face as usize).filter(|n| n[0] != u32::MAX);
     if let Some(ix) = normals {
-        let n = ix.map(|k| s.mesh.normals.get(k as usize).map_or(DVec3::ZERO, |n| n.as_dvec3()));
+        let n = ix.map(|k| s.normal_at(k, time));
         let blend = (1.0 - part.a - part.b) * n[0] + part.a * n[1] + part.b * n[2];
         if blend != DVec3::ZERO {
             return blend;
         }
     }
-    flat_normal(s, part.face)
+    flat_normal(s, part.face, time)
 }
 
-/// (P3-P1) x (P2-P1).
-pub fn flat_normal(s: &MeshShape, face: u32) -> DVec3 {
-    let [p1, p2, p3] = s.corners(face);
+/// (P3-P1) x (P2-P1) at `time`, below 0 at rest.
+pub fn flat_normal(s: &MeshShape, face: u32, time: f64) -> DVec3 {
+    let [p1, p2, p3] = s.corners_at(face, time);
     (p3 - p1).cross(p2 - p1)
 }
 

@@ -49,6 +49,11 @@ pub trait HitSink {
     fn within(&self) -> Option<(f64, f64)> {
         None
     }
+
+    /// When the ray runs, 0..=1 over the shutter; below 0 for shapes at rest.
+    fn time(&self) -> f64 {
+        -1.0
+    }
 }
 
 /// A ray in a shape's space; `dir` is unit.
@@ -164,17 +169,17 @@ pub fn inside_shape(scene: &CompiledScene, prim: &Prim, p: DVec3, inverted: bool
 }
 
 /// The normal of a hit, in the world unless `transform` is `None`; not unit, not inverted. `p` is in shape space.
-pub fn world_normal(scene: &CompiledScene, prim: &Prim, transform: Option<&Transform>, p: DVec3, part: &Part) -> DVec3 {
+pub fn world_normal(scene: &CompiledScene, prim: &Prim, transform: Option<&Transform>, p: DVec3, part: &Part, time: f64) -> DVec3 {
     if prim.kind == PrimKind::HeightField {
         let shape = &scene.geometry.shapes.height_fields[prim.shape_ix as usize];
         return height_field::height_field_normal(shape, transform.unwrap_or(&Transform::IDENTITY), part);
     }
-    let n = shape_normal(scene, prim, p, part);
+    let n = shape_normal(scene, prim, p, part, time);
     transform.map_or(n, |t| t.normal(n))
 }
 
 /// The normal of a hit in shape space, not unit, not inverted.
-fn shape_normal(scene: &CompiledScene, prim: &Prim, p: DVec3, part: &Part) -> DVec3 {
+fn shape_normal(scene: &CompiledScene, prim: &Prim, p: DVec3, part: &Part, time: f64) -> DVec3 {
     let ix = prim.shape_ix as usize;
     let s = &scene.geometry.shapes;
     match prim.kind {
@@ -186,7 +191,7 @@ fn shape_normal(scene: &CompiledScene, prim: &Prim, p: DVec3, part: &Part) -> DV
         PrimKind::Cone => quadrics::cone_normal(p, part.face),
         PrimKind::Torus => torus::torus_normal(&s.tori[ix], p),
         PrimKind::Triangle => triangle::triangle_normal(&s.triangles[ix], part),
-        PrimKind::Mesh | PrimKind::BicubicPatch => mesh::mesh_normal(&s.meshes[ix], part),
+        PrimKind::Mesh | PrimKind::BicubicPatch => mesh::mesh_normal(&s.meshes[ix], part, time),
         PrimKind::Polygon => s.polygons[ix].normal,
         PrimKind::Quadric => algebraic::quadric_normal(&s.quadrics[ix], p),
         PrimKind::Poly => algebraic::poly_normal(&s.polys[ix], p),

@@ -144,7 +144,7 @@ impl Emitters {
                 // The front of a mirrored mesh is where its own front goes.
                 let sign = if transform.forward.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
                 let normal = sign * cross.normalize();
-                let moves = prim.flags & prim_flags::MOVING != 0;
+                let moves = prim.flags & prim_flags::MOVING != 0 || shape.moving.is_some();
                 let mut bounds = Bounds::from_points(corners);
                 if moves {
                     bounds = g.bounds[prim_ix];
@@ -182,10 +182,14 @@ impl Emitter {
         if !self.moves {
             return (self.corners, self.normal, self.area);
         }
-        let m = motion_at(&scene.geometry, &scene.geometry.prims[self.prim_ix as usize], time);
-        let c = self.corners.map(|p| m.point(p));
+        let g = &scene.geometry;
+        let prim = &g.prims[self.prim_ix as usize];
+        let place = g.transforms[prim.transform_ix as usize].then(&motion_at(g, prim, time));
+        let c = g.shapes.meshes[prim.shape_ix as usize].corners_at(self.face_ix, time).map(|p| place.point(p));
         let cross = (c[1] - c[0]).cross(c[2] - c[0]);
-        (c, m.normal(self.normal).normalize_or(self.normal), 0.5 * cross.length())
+        // The front of a mirrored mesh is where its own front goes.
+        let sign = if place.forward.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+        (c, (sign * cross).normalize_or(self.normal), 0.5 * cross.length())
     }
 
     /// Its middle, at rest.
