@@ -5,9 +5,7 @@ use super::plan::PathPlan;
 use super::shadow::ShadowRay;
 use super::surface::Surface;
 use super::trace::{Path, shadow_start};
-use crate::compile::geometry::prim_flags;
 use crate::kernel::bsdf::frame::Frame;
-use crate::kernel::traverse::motion_at;
 use crate::math::{DVec3, Vec3};
 
 impl PathPlan<'_> {
@@ -21,16 +19,10 @@ impl PathPlan<'_> {
     /// Motion in pixels, y up: from the frame before to this one, from this one to the next, both with the sign that points to the earlier.
     /// Source: Blender's vector pass (measured). Nothing moves without keys for the three frames (`PathSettings::still`).
     pub(super) fn motion_vector(&self, surface: &Surface, time: f64) -> [f32; 4] {
-        let g = &self.scene.geometry;
         if !self.settings.still {
             return [0.0; 4];
         }
-        let here = surface.hit.point;
-        let moves = surface.prim.flags & prim_flags::MOVING != 0;
-        let at = |t: f64| {
-            let p = if moves { motion_at(g, surface.prim, t).point(motion_at(g, surface.prim, time).inverse_point(here)) } else { here };
-            self.camera.project(p, t)
-        };
+        let at = |t: f64| self.camera.project(surface.point_at(t), t);
         let (Some(a), Some(b), Some(c)) = (at(0.0), at(time), at(1.0)) else { return [0.0; 4] };
         [a.x - b.x, a.y - b.y, b.x - c.x, b.y - c.y].map(|v| v as f32)
     }

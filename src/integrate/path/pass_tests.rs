@@ -8,7 +8,9 @@ use crate::scene::lamp::LampShape;
 use crate::scene::pass::NO_DEPTH;
 use crate::scene::path_settings::Mist;
 use crate::scene::shader::{Closure, PrincipledClosure};
-use crate::scene::{Pass, PassSet, Scene, Shape};
+use crate::scene::shape::MeshStep;
+use crate::scene::{Mesh, Pass, PassSet, Scene, Shape};
+use std::sync::Arc;
 
 const SIDE: u32 = 4;
 
@@ -156,6 +158,23 @@ fn motion_is_told_in_pixels_and_the_picture_stands_still() {
     let keys = [-0.05, 0.0, 0.1].map(|x| Transform::translation(DVec3::new(x, 0.0, 0.0)));
     s.objects[0].traits.motion = keys.to_vec().into();
     let film = render(&s, 16);
+    let v = film.layer(Pass::Vector).expect("there").at(6);
+    for (got, want) in v.iter().zip([-1.0, 0.0, -2.0, 0.0, 1.0]) {
+        assert!((got - want).abs() < 1e-3, "{v:?}");
+    }
+}
+
+#[test]
+fn motion_of_vertices_is_told_as_that_of_objects() {
+    let steps = [-0.05, 0.0, 0.1];
+    let mut moved = scene(vec![floor(0.6)], vec![], Vec3::ONE);
+    moved.settings.path.still = true;
+    let square = [[-9.0f32, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]].map(Vec3::from_array).to_vec();
+    let by = |x: f32| MeshStep { vertices: square.iter().map(|v| *v + Vec3::X * x).collect(), normals: Vec::new() };
+    let mesh = Mesh { vertices: square.clone(), faces: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+    let mesh = Mesh { motion: steps.map(by).to_vec(), ..mesh };
+    moved.objects[0] = covered(Shape::Mesh(Arc::new(mesh)), lambert(0.6));
+    let film = render(&moved, 16);
     let v = film.layer(Pass::Vector).expect("there").at(6);
     for (got, want) in v.iter().zip([-1.0, 0.0, -2.0, 0.0, 1.0]) {
         assert!((got - want).abs() < 1e-3, "{v:?}");

@@ -76,6 +76,19 @@ impl<'s> Surface<'s> {
         Self { scene, hit, prim, v, flat, normal, backfacing, mesh, transform, corners, time, fibre: None }
     }
 
+    /// Where the point of the hit is at another time of the shutter.
+    pub fn point_at(&self, time: f64) -> DVec3 {
+        let g = &self.scene.geometry;
+        let motion = |t: f64| motion_at(g, self.prim, t);
+        let Some(mesh) = self.mesh.filter(|m| m.moving.is_some()) else {
+            let moves = self.prim.flags & crate::compile::geometry::prim_flags::MOVING != 0;
+            return if moves { motion(time).point(motion(self.time).inverse_point(self.hit.point)) } else { self.hit.point };
+        };
+        let [a, b, c] = mesh.corners_at(self.hit.face_ix, time);
+        let w = self.hit.barycentric;
+        g.transforms[self.prim.transform_ix as usize].then(&motion(time)).point((1.0 - w.x - w.y) * a + w.x * b + w.y * c)
+    }
+
     /// Texture coordinates of a set.
     pub fn uv(&self, set: u32) -> DVec2 {
         let Some(mesh) = self.mesh else { return self.hit.uv };
