@@ -205,10 +205,9 @@ impl Builder<'_, '_> {
             ior: s.scalar(&h.ior).max(1.0001),
             offset_rad: s.scalar(&h.offset_rad),
         };
-        let Some((tangent, offset)) = s.fibre() else { return self.diffuse(weight, Vec3::splat(0.5), 0.0, None) };
-        let n = s.normal.as_vec3();
-        let frame = Frame { t: tangent, b: n.cross(tangent), n };
-        let hair = Hair::new(&params, offset, frame.to_local(s.v));
+        let Some(f) = s.fibre() else { return self.diffuse(weight, Vec3::splat(0.5), 0.0, None) };
+        let frame = Frame { t: f.tangent, b: f.facing.cross(f.tangent), n: f.facing };
+        let hair = Hair::new(&params, f.offset, frame.to_local(s.v));
         self.push(weight, 1.0, frame, LobeKind::Hair(hair), false);
     }
 }

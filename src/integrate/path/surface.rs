@@ -31,7 +31,18 @@ pub struct Surface<'s> {
     /// Of a mesh: the face's corners in its space, at that time.
     corners: [DVec3; 3],
     time: f64,
-    fibre: Option<(Vec3, f32)>,
+    fibre: Option<Fibre>,
+}
+
+/// Where a hair was met.
+#[derive(Clone, Copy)]
+pub struct Fibre {
+    /// Unit direction along it.
+    pub tangent: Vec3,
+    /// Unit, across it, towards the viewer: of the ribbon, where [`Surface::normal`] is of the round fibre.
+    pub facing: Vec3,
+    /// Offset across it in radii, -1..=1, positive along tangent x direction of the ray.
+    pub offset: f32,
 }
 
 /// The hair of a primitive, if it is one.
@@ -53,9 +64,12 @@ impl<'s> Surface<'s> {
             let segment = &hair.segments[hit.face_ix as usize];
             let tangent = transform.vector(segment.tangent(hit.barycentric.x)).normalize_or(DVec3::X);
             let n = (tangent * tangent.dot(dir) - dir).try_normalize().unwrap_or(-dir);
-            let fibre = Some((tangent.as_vec3(), hit.barycentric.y as f32));
+            let offset = hit.barycentric.y;
+            // The ribbon is shaded as if it were round.
+            let round = tangent.cross(dir).normalize_or_zero() * offset + n * (1.0 - offset * offset).max(0.0).sqrt();
+            let fibre = Some(Fibre { tangent: tangent.as_vec3(), facing: n.as_vec3(), offset: offset as f32 });
             let (v, corners) = (-dir.as_vec3(), [DVec3::ZERO; 3]);
-            return Self { scene, hit, prim, v, flat: n, normal: n, backfacing: false, mesh: None, transform, corners, time, fibre };
+            return Self { scene, hit, prim, v, flat: round, normal: round, backfacing: false, mesh: None, transform, corners, time, fibre };
         }
         let corners = mesh.map_or([DVec3::ZERO; 3], |m| m.corners_at(hit.face_ix, time));
         let (front, smooth) = match mesh {
@@ -296,8 +310,8 @@ impl<'s> Surface<'s> {
         Self { v: -self.v, flat: -self.flat, normal: -self.normal, backfacing: !self.backfacing, ..self }
     }
 
-    /// Of a hair: unit direction along it, and where across it the ray met it, -1..=1 (docs/path.md says which way).
-    pub fn fibre(&self) -> Option<(Vec3, f32)> {
+    /// Where a hair was met, if it was one.
+    pub fn fibre(&self) -> Option<Fibre> {
         self.fibre
     }
 }

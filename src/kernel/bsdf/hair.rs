@@ -61,16 +61,21 @@ pub fn sigma_of_reflectance(c: Rgb, radial_roughness: f32) -> Rgb {
     c.max(Vec3::splat(1e-5)).map(|c| (c.ln() / k).powi(2))
 }
 
+/// Terms of the series of the Bessel function, as many as Pharr's implementation of the model has ("The implementation of a hair scattering
+/// model", 2016) and, measured by a strand under a sun, Cycles: up to 1.3 % are missing around x = 12.
+const BESSEL_TERMS: u32 = 10;
+
+/// Beyond 12 the asymptotic form of the same source.
 fn log_bessel_i0(x: f32) -> f32 {
     if x > 12.0 {
-        return x - 0.5 * (TAU * x).ln() + (1.0 + (1.0 + 9.0 / (16.0 * x)) / (8.0 * x)).ln();
+        return x + 0.5 * (1.0 / (8.0 * x) - (TAU * x).ln());
     }
     bessel_i0(x).ln()
 }
 
 fn bessel_i0(x: f32) -> f32 {
     let (mut sum, mut term, q) = (1.0f32, 1.0f32, x * x / 4.0);
-    for k in 1..24 {
+    for k in 1..BESSEL_TERMS {
         term *= q / (k * k) as f32;
         sum += term;
     }
@@ -205,4 +210,42 @@ impl Hair {
 /// An angle brought into -π..π.
 fn wrapped(phi: f32) -> f32 {
     phi - TAU * (phi / TAU).round()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strand along x seen from +z, orthographically, lit by one sun of π W/m², in Cycles 4.5: the sun's turns about x, then y in radians,
+    /// offset, radiance. Colour (0.4, 0.15, 0.05), roughness 0.3, no bounces. Measured with 32-bit pictures of 64 x 64.
+    const STRAND: [([f32; 2], f32, [f32; 3]); 12] = [
+        ([0.0, 0.0], 0.281_25, [0.13244, 0.10021, 0.06023]),
+        ([0.0, 0.0], 0.018_75, [0.58267, 0.53278, 0.47134]),
+        ([0.0, 0.0], -0.656_25, [0.04984, 0.03726, 0.02117]),
+        ([0.8, 0.0], 0.618_75, [0.01256, 0.00930, 0.00519]),
+        ([0.8, 0.0], -0.206_25, [0.05956, 0.05923, 0.05889]),
+        ([0.8, 0.0], -0.656_25, [0.00967, 0.00935, 0.00902]),
+        ([0.0, 0.8], 0.281_25, [0.08199, 0.05998, 0.03268]),
+        ([0.0, 0.8], 0.018_75, [0.13250, 0.09841, 0.05642]),
+        ([0.0, 0.8], -0.656_25, [0.03394, 0.02539, 0.01444]),
+        ([0.0, -0.8], 0.281_25, [0.04626, 0.03400, 0.01881]),
+        ([0.0, -0.8], 0.018_75, [0.09416, 0.07521, 0.05188]),
+        ([0.0, -0.8], -0.656_25, [0.01901, 0.01420, 0.00806]),
+    ];
+
+    #[test]
+    fn a_strand_under_a_sun_is_as_bright_as_in_cycles() {
+        let radial = 0.3;
+        let sigma = sigma_of_reflectance(Vec3::new(0.4, 0.15, 0.05), radial);
+        let params = HairParams { sigma, roughness: 0.3, radial_roughness: radial, coat: 0.0, ior: 1.55, offset_rad: 2f32.to_radians() };
+        for ([ax, ay], offset, want) in STRAND {
+            let ((sx, cx), (sy, cy)) = (ax.sin_cos(), ay.sin_cos());
+            let (v, l) = (Vec3::Z, Vec3::new(cx * sy, -sx, cx * cy));
+            // The mean over a pixel: 64 show 2.4 radii.
+            let within = |k: i32| offset + (k as f32 - 7.5) / 16.0 * 2.4 / 64.0;
+            let got = (0..16).map(|k| Hair::new(&params, within(k), v).eval(v, l).0).sum::<Vec3>() * (PI / 16.0);
+            let want = Vec3::from_array(want);
+            assert!((got - want).abs().max_element() < 0.003 * want.max_element(), "{ax} {ay} {offset}: {got}, Cycles {want}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::{HitSink, LocalRay, Part};
 use crate::compile::shape::hair::{HairSegment, HairShape};
-use crate::math::{DVec3, Ray};
+use crate::math::{DVec2, DVec3, Ray};
 
 /// Straight pieces of a segment. Source: Cycles' default of 2 subdivisions, 4 pieces.
 const PIECES: usize = 4;
@@ -19,40 +19,50 @@ pub fn intersect_hair(s: &HairShape, ray: &LocalRay, sink: &mut impl HitSink) {
     });
 }
 
-/// Nearest crossing of a segment's ribbon: depth, place along, offset across.
+/// Nearest crossing of a segment's ribbon: depth, place along, offset across. The ribbon is a strip of quadrilaterals that faces the ray: each
+/// joint stretches by the radius to both sides, square to the curve as the ray sees it, and neighbours share their joints.
 fn meet(s: &HairSegment, ray: &LocalRay, (x, y): (DVec3, DVec3), far: f64) -> Option<(f64, f64, f64)> {
-    let seen = |p: DVec3| {
-        let p = p - ray.origin;
-        (p.dot(x), p.dot(y), p.dot(ray.dir))
+    let joint = |k: usize| {
+        let u = k as f64 / PIECES as f64;
+        let (p, t) = (s.at(u) - ray.origin, s.tangent(u));
+        // Tangent x direction of the ray, in (x, y); x, y and the ray's direction are right-handed.
+        let across = DVec2::new(t.dot(y), -t.dot(x)).normalize_or(DVec2::X);
+        (DVec2::new(p.dot(x), p.dot(y)), p.dot(ray.dir), across * s.radius(u))
     };
     let mut best: Option<(f64, f64, f64)> = None;
-    // Pieces overlap where they join: the one whose middle is nearest to the ray.
-    let mut least = f64::INFINITY;
-    let mut a = seen(s.points[0]);
+    let mut a = joint(0);
     for k in 0..PIECES {
-        let (u0, u1) = (k as f64 / PIECES as f64, (k + 1) as f64 / PIECES as f64);
-        let b = seen(s.at(u1));
-        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-        let len_sq = dx * dx + dy * dy;
-        let w = if len_sq > 0.0 { (-(a.0 * dx + a.1 * dy) / len_sq).clamp(0.0, 1.0) } else { 0.0 };
-        let u = u0 + (u1 - u0) * w;
-        let r = s.radius(u);
-        let (cx, cy) = (a.0 + w * dx, a.1 + w * dy);
-        let distance_sq = cx * cx + cy * cy;
-        if distance_sq <= r * r && r > 0.0 {
-            let t = a.2 + w * (b.2 - a.2);
+        let b = joint(k + 1);
+        // Places w along the piece where the ray, at the origin, lies on the line across: (p + w dp) x (n + w dn) = 0.
+        let (p, dp, n, dn) = (a.0, b.0 - a.0, a.2, b.2 - a.2);
+        let [w0, w1] = quadratic(dp.perp_dot(dn), p.perp_dot(dn) + dp.perp_dot(n), p.perp_dot(n));
+        for w in [w0, w1] {
+            if !(0.0..=1.0).contains(&w) {
+                continue;
+            }
+            let (at, half) = (p + dp * w, n + dn * w);
+            let offset = -at.dot(half) / half.length_squared();
+            let u = (k as f64 + w) / PIECES as f64;
+            let t = a.1 + (b.1 - a.1) * w;
             // A ray that leaves a hair does not meet it again.
-            if t > 2.0 * r && t < far && distance_sq < least {
-                // From the curve to the ray, across: the ray is at the origin of (x, y, dir), which is right-handed.
-                let len = len_sq.sqrt();
-                let across = if len > 0.0 { (-cx * dy + cy * dx) / len } else { distance_sq.sqrt() };
-                least = distance_sq;
-                best = Some((t, u, (across / r).clamp(-1.0, 1.0)));
+            if offset.abs() <= 1.0 && t > 2.0 * s.radius(u) && t < best.map_or(far, |b| b.0) {
+                best = Some((t, u, offset));
             }
         }
         a = b;
     }
     best
+}
+
+/// Roots of `a w^2 + b w + c`, NaN where there are fewer.
+fn quadratic(a: f64, b: f64, c: f64) -> [f64; 2] {
+    let d = b * b - 4.0 * a * c;
+    if d < 0.0 {
+        return [f64::NAN; 2];
+    }
+    // The form without cancellation; a straight piece has a of about 0.
+    let q = -0.5 * (b + d.sqrt().copysign(b));
+    [c / q, if a == 0.0 { f64::NAN } else { q / a }]
 }
 
 /// Any normal; what faces a viewer is the integrators' matter.
@@ -94,6 +104,35 @@ mod tests {
             if let (Some((t, part)), Some(want)) = (n.0, want) {
                 assert!((t - 5.0).abs() < 1e-6 && (part.b - want).abs() < 1e-6, "{t} {part:?}");
                 assert!((s.segments[part.face as usize].at(part.a).x - 1.3).abs() < 0.05);
+            }
+        }
+    }
+
+    #[test]
+    fn a_ray_that_leaves_a_hair_along_it_does_not_meet_the_next_piece() {
+        let points = (0..5).map(|k| Vec3::new(k as f32, 0.0, 0.0)).collect();
+        let curves = Curves { points, radii: vec![0.1; 5], starts: vec![0, 5], ..Curves::default() };
+        let s = HairShape::new(&Arc::new(curves), AccelKind::Auto).expect("segments");
+        for dir in [DVec3::new(1.0, 0.3, 0.2), DVec3::new(1.0, 0.0, 0.1), DVec3::new(-1.0, 0.05, 0.01), DVec3::new(0.2, 1.0, 1.0)] {
+            let mut n = Nearest(None);
+            intersect_hair(&s, &LocalRay { origin: DVec3::new(1.1, 0.03, 0.0), dir: dir.normalize(), scale: 1.0 }, &mut n);
+            assert!(n.0.is_none(), "{dir}: {:?}", n.0);
+        }
+    }
+
+    #[test]
+    fn bent_hair_has_no_gaps_at_its_joints() {
+        let points = (0..7).map(|k| (f64::from(k) * 0.5).sin_cos()).map(|(y, x)| Vec3::new(x as f32, y as f32, 0.0)).collect();
+        let curves = Curves { points, radii: vec![0.1; 7], starts: vec![0, 7], ..Curves::default() };
+        let s = HairShape::new(&Arc::new(curves), AccelKind::Auto).expect("segments");
+        for k in 0..3000 {
+            let (sin, cos) = (0.55 + f64::from(k) * 1e-3 * 1.9 / 3.0).sin_cos();
+            for r in [0.92, 1.0, 1.08] {
+                let mut n = Nearest(None);
+                intersect_hair(&s, &LocalRay { origin: DVec3::new(r * cos, r * sin, 5.0), dir: DVec3::NEG_Z, scale: 1.0 }, &mut n);
+                let (t, part) = n.0.unwrap_or_else(|| panic!("missed at {k}, {r}"));
+                // The curve runs counterclockwise seen from +z: along x -z is inward.
+                assert!((t - 5.0).abs() < 1e-9 && (part.b * 0.1 - (1.0 - r)).abs() < 0.005, "{k} {r} {part:?}");
             }
         }
     }
