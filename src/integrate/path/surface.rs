@@ -69,7 +69,20 @@ impl<'s> Surface<'s> {
             let round = tangent.cross(dir).normalize_or_zero() * offset + n * (1.0 - offset * offset).max(0.0).sqrt();
             let fibre = Some(Fibre { tangent: tangent.as_vec3(), facing: n.as_vec3(), offset: offset as f32 });
             let (v, corners) = (-dir.as_vec3(), [DVec3::ZERO; 3]);
-            return Self { scene, hit, prim, v, flat: round, normal: round, backfacing: false, mesh: None, transform, corners, time, fibre };
+            return Self {
+                scene,
+                hit,
+                prim,
+                v,
+                flat: round,
+                normal: round,
+                backfacing: false,
+                mesh: None,
+                transform,
+                corners,
+                time,
+                fibre,
+            };
         }
         let corners = mesh.map_or([DVec3::ZERO; 3], |m| m.corners_at(hit.face_ix, time));
         let (front, smooth) = match mesh {
