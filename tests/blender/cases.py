@@ -221,6 +221,38 @@ def case_crowds_are_one_node():
     assert crowd[..., 0].mean() > 0.05 and np.abs(crowd - sheared).max() > 0.5
 
 
+def case_vertices_are_blurred_as_cycles_is_told():
+    """Vertices and normals come at as many times as the motion steps ask for; objects that Cycles leaves out stand still."""
+    scene = new_scene((64, 48), samples=16)
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
+
+    def growing(name, x, smooth):
+        obj = wall(name, x - 0.2, x + 0.2, -0.2, 0.2, material=emission(f"E {name}", (1, 1, 1)))
+        obj.shape_key_add(name="Basis")
+        key = obj.shape_key_add(name="Up")
+        for point in key.data:
+            point.co.z += 1.0
+        for frame, value in ((0, 0.0), (2, 1.0)):
+            key.value = value
+            key.keyframe_insert("value", frame=frame)
+        for polygon in obj.data.polygons:
+            polygon.use_smooth = smooth
+        return obj
+
+    moved, flat, rigid, still = (growing(n, x, n != "Flat") for n, x in (("Moved", -0.9), ("Flat", -0.3), ("Rigid", 0.3), ("Still", 0.9)))
+    moved.cycles.motion_steps, rigid.cycles.use_deform_motion, still.cycles.use_motion_blur = 2, False, False
+    scene.frame_set(1)
+    document = module("exporting").export_scene(os.path.join(FOLDER, "blur.glb"), scene).gltf.document
+    motions = {m["name"]: m["primitives"][0].get("extensions", {}).get("RAYLOOM_scene", {}).get("motion") for m in document["meshes"]}
+    assert len(motions["Moved"]["times"]) == 5 == len(motions["Moved"]["positions"]) == len(motions["Moved"]["normals"]), "2 steps are 5 times"
+    assert "normals" not in motions["Flat"] and motions["Rigid"] is None and motions["Still"] is None, motions
+    p = render()
+    # The walls are 7.1 pixels high and move up by 8.9 while the shutter is open: no row of a moving one is white throughout.
+    column = lambda x: p[:, int(32 + x * 17.8), 0]  # noqa: E731
+    assert column(0.9).max() > 0.95 and column(0.3).max() > 0.95, "what stands still is sharp"
+    assert 0.2 < column(-0.9).max() < 0.95 and 0.2 < column(-0.3).max() < 0.95, (column(-0.9).max(), column(-0.3).max())
+
+
 def case_animation_keeps_buffers():
     """Three frames differ; the mesh that does not change is written once."""
     scene = new_scene()

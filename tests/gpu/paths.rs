@@ -7,11 +7,13 @@ use rayloom::backend::{Backend, BackendError};
 use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
 use rayloom::diag::Sink;
 use rayloom::film::Film;
+use rayloom::import::ImportOptions;
 use rayloom::integrate::{IntegratorKind, NoiseLimit, RenderSettings};
 use rayloom::math::{DVec3, Transform, Vec3};
 use rayloom::scene::input::{Color, Scalar};
 use rayloom::scene::lamp::LampShape;
 use rayloom::scene::shader::{Closure, Distribution, MixFactor, PrincipledClosure, Shader};
+use rayloom::scene::shape::MeshStep;
 use rayloom::scene::{Environment, Lamp, Light, Mesh, Object, Principled, Scene, Shape, Texture};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -152,6 +154,14 @@ fn principled_materials_answer_the_same() {
 }
 
 #[test]
+fn what_gltf_says_answers_the_same() {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes/path/gltf/scene.glb");
+    let options = ImportOptions { time: Some(0.5), ..ImportOptions::default() };
+    let scene = rayloom::import::load(&file, &options, &mut Sink::default()).expect("it loads");
+    agrees("glTF", &scene, 0.97);
+}
+
+#[test]
 fn trees_of_plain_closures_answer_the_same() {
     let c = |v: f32| Color::constant(Vec3::new(v, 0.8 * v, 0.6 * v));
     let glossy = Closure::Glossy {
@@ -221,4 +231,11 @@ fn what_is_not_done_is_named() {
     scene.objects.push(Object::new(Shape::Sphere { center: DVec3::Z, radius: 1.0 }));
     let error = render(&gpu, &compiled(&scene), 0..1).expect_err("the CPU's matter");
     assert!(matches!(&error, BackendError::Unsupported(what) if what.contains("sphere")), "{error}");
+    let mut mesh = square([[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 2.0], [-1.0, 0.0, 2.0]]);
+    let step = |x: f32| MeshStep { vertices: mesh.vertices.iter().map(|v| *v + Vec3::X * x).collect(), normals: Vec::new() };
+    mesh.motion = vec![step(0.0), step(1.0)];
+    let mut scene = scene_of(Vec::new(), Vec::new(), 0.5);
+    scene.objects.push(covered(mesh, diffuse(0.5, 0.5, 0.5)));
+    let error = render(&gpu, &compiled(&scene), 0..1).expect_err("the CPU's matter");
+    assert!(matches!(&error, BackendError::Unsupported(what) if what.contains("motion blur")), "{error}");
 }
