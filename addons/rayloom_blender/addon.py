@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import engine, operators, preferences, properties, ui
+from . import engine, operators, preferences, properties, ui, viewport
 
 _CLASSES = (
     preferences.RAYLOOM_OT_list_devices,
@@ -18,6 +18,8 @@ def register():
     """On enabling."""
     properties.register()
     for cls in _CLASSES:
+        if cls is engine.RayloomRenderEngine:
+            viewport.switch(cls, preferences.preferences().viewport)
         bpy.utils.register_class(cls)
     bpy.types.TOPBAR_MT_file_export.append(operators.menu)
     ui.join_panels()

@@ -11,6 +11,7 @@ import traceback
 import bpy
 import numpy as np
 
+from . import viewport
 from .bridge.scene import Exporter
 from .bridge.settings import border_of, denoiser_record, denoises, picture_size, settings_of, wanted_passes
 from .core import denoiser, exr, log, passes, process, program
@@ -89,11 +90,20 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
         super().__init__(*args, **kwargs)
         self.child = None
         self.shown = False
+        self._view = None
 
     def __del__(self):
-        child = getattr(self, "child", None)
+        child, view = getattr(self, "child", None), getattr(self, "_view", None)
         if child is not None:
             child.stop()
+        if view is not None:
+            view.session.close()
+
+    def view(self):
+        """What this engine shows in a viewport."""
+        if self._view is None:
+            self._view = viewport.View(tempfile.mkdtemp(prefix="view-", dir=session_folder()))
+        return self._view
 
     def update_render_passes(self, scene=None, renderlayer=None):
         """Tells Blender which passes come."""

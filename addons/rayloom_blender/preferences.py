@@ -26,6 +26,12 @@ class RAYLOOM_OT_list_devices(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def _switch_viewport(on):
+    from . import engine, viewport
+
+    viewport.again(engine.RayloomRenderEngine, on)
+
+
 class RayloomPreferences(bpy.types.AddonPreferences):
     """Of the add-on."""
 
@@ -35,6 +41,12 @@ class RayloomPreferences(bpy.types.AddonPreferences):
         name="Renderer",
         description="The program 'rayloom'; empty: the one that comes with the add-on, else the one on the search path",
         subtype="FILE_PATH",
+    )
+    viewport: bpy.props.BoolProperty(
+        name="Render in the Viewport (experimental)",
+        description="Rendered mode of the viewport shows the engine's own pictures. Nobody has seen this in a window yet; without it the mode stays empty",
+        default=False,
+        update=lambda self, context: _switch_viewport(self.viewport),
     )
     devices: bpy.props.StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
@@ -46,6 +58,7 @@ class RayloomPreferences(bpy.types.AddonPreferences):
             layout.label(text=f"Uses {program.find(self.program_path)}", icon="CHECKMARK")
         except program.ProgramError as e:
             layout.label(text=str(e), icon="ERROR")
+        layout.prop(self, "viewport")
         layout.operator(RAYLOOM_OT_list_devices.bl_idname)
         for line in filter(None, self.devices.split("\n")):
             layout.label(text=line)
@@ -55,6 +68,7 @@ class _Defaults:
     """Preferences of an add-on that is not installed as one (tests)."""
 
     program_path = ""
+    viewport = False
 
 
 def preferences():

@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Pause before the first picture and at least between two.
-const PAUSE: Duration = Duration::from_millis(400);
 /// Writing takes at most one part of so many of the time.
 const SHARE: u32 = 20;
 
@@ -16,12 +14,19 @@ pub struct LivePicture {
     path: PathBuf,
     /// When the next one is due.
     due: Mutex<Instant>,
+    /// Before the first picture and at least between two.
+    pause: Duration,
 }
 
 impl LivePicture {
-    /// Into `path`, from now on.
-    pub fn new(path: &Path) -> Self {
-        Self { path: path.to_owned(), due: Mutex::new(Instant::now() + PAUSE) }
+    /// Into `path`, from now on, each time that `pause` is over.
+    pub fn new(path: &Path, pause: Duration) -> Self {
+        Self { path: path.to_owned(), due: Mutex::new(Instant::now() + pause), pause }
+    }
+
+    /// Writes the finished film, due or not.
+    pub fn finish(&self, film: &Film) -> bool {
+        write(&self.path, &film.shown()).is_ok()
     }
 
     /// Writes `film` if it is time: `width * height` pixels of red, green, blue (times alpha), alpha, 32-bit floats with the lowest byte first,
@@ -34,7 +39,7 @@ impl LivePicture {
         }
         // A disk that is full spoils the show, not the picture.
         let written = write(&self.path, film).is_ok();
-        *due = Instant::now() + PAUSE.max(start.elapsed() * SHARE);
+        *due = Instant::now() + self.pause.max(start.elapsed() * SHARE);
         written
     }
 }
@@ -58,7 +63,7 @@ mod tests {
     fn a_live_picture_holds_what_is_there_and_comes_when_due() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("live");
-        let live = LivePicture::new(&path);
+        let live = LivePicture::new(&path, Duration::from_secs(9));
         let mut film = Film::new(2, 1);
         assert!(!live.show(&film) && !path.exists());
         (film.pixels[1], film.samples[1]) = ([0.5, 0.25, 2.0, 0.25], 3);

@@ -18,6 +18,7 @@ use rayloom::world::DiskWorld;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 /// Arguments of `rayloom render`.
 #[derive(Debug, Args)]
@@ -143,6 +144,12 @@ pub struct RenderArgs {
     /// `--progress json` tells each time
     #[arg(long, value_name = "FILE")]
     live: Option<PathBuf>,
+    /// Milliseconds between two of them
+    #[arg(long, value_name = "MS", requires = "live", default_value_t = 400, value_parser = clap::value_parser!(u64).range(20..=60_000))]
+    live_interval: u64,
+    /// Write no picture: `--live` shows it, or it is rendered for its times alone
+    #[arg(long, conflicts_with = "output")]
+    no_output: bool,
     /// Write times and counts as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
@@ -297,7 +304,7 @@ pub fn run(args: &RenderArgs) -> ExitCode {
         if n > 1 {
             view.line(&format!("frame {} of {n}\n", k + 1));
         }
-        let live = args.live.as_deref().map(LivePicture::new);
+        let live = args.live.as_deref().map(|path| LivePicture::new(path, Duration::from_millis(args.live_interval)));
         let listener = RenderListener { view, style: style(), interrupt: interrupt.clone(), live };
         let result = rayloom::job::run(job, &listener, &interrupt.cancel);
         listener.view.finish();
@@ -424,6 +431,9 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
             .io_folders
             .push(job.target.as_ref().and_then(|t| t.path.as_ref()?.parent()).map_or_else(PathBuf::new, Path::to_path_buf));
     }
+    if args.no_output {
+        job.target = None;
+    }
     let r = &mut job.render;
     r.output_alpha |= args.alpha;
     r.seed = args.seed;
@@ -508,6 +518,12 @@ impl Listener for RenderListener {
 
     fn denoised(&self, share: f64) {
         self.view.denoised(share);
+    }
+
+    fn finished(&self, film: &Film) {
+        if self.live.as_ref().is_some_and(|l| l.finish(film)) {
+            self.view.event(&serde_json::json!({"event": "picture"}));
+        }
     }
 
     fn picture(&self, film: &Film) {

@@ -92,6 +92,8 @@ pub trait Listener: Sync {
     fn pixels(&self, done: u64, total: u64);
     /// So much of the denoising is done, 0..1.
     fn denoised(&self, _share: f64) {}
+    /// The finished picture, before it is written.
+    fn finished(&self, _film: &Film) {}
     /// The picture so far, often; most calls must return at once.
     fn picture(&self, _film: &Film) {}
 }
@@ -272,6 +274,7 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
         }
         lap(&mut outcome.seconds[3]);
     }
+    listener.finished(&film);
     denoise::drop_guides(job, &mut film);
     if let Some(target) = &job.target {
         listener.stage(&Stage::Writing);

@@ -496,6 +496,89 @@ def case_a_time_limit_ends_the_rendering():
     assert (p[..., 3] == 1).all() and np.isfinite(p).all() and p[..., :3].mean() > 0.1, "every pixel has samples"
 
 
+def case_the_viewport_keeps_up():
+    """Blender's default scene as in a viewport, without a window: five pictures a second while the view turns, no call that takes long, the picture of F12."""
+    bpy.ops.wm.read_factory_settings()
+    bpy.ops.preferences.addon_enable(module=ADDON)
+    scene = bpy.context.scene
+    scene.render.engine, scene.rayloom.device, scene.rayloom.follow_cycles = "RAYLOOM", "CPU", False
+    scene.render.resolution_x, scene.render.resolution_y = 480, 270
+    scene.rayloom.samples, scene.rayloom.use_adaptive_sampling = 32, False
+    size, viewport, camera = (480, 270), module("viewport"), scene.camera
+    camera.data.shift_x = 0.1
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    view = viewport.View(os.path.join(FOLDER, "view"))
+    start = time.perf_counter()
+    assert view.update(depsgraph)
+    exported = time.perf_counter() - start
+    projection = camera.calc_matrix_camera(depsgraph, x=size[0], y=size[1])
+    place = camera.matrix_world.copy()
+    import mathutils
+
+    longest, first_seen, frames, serials = 0.0, [], 0, set()
+    begin = time.perf_counter()
+    turn = 0
+    while time.perf_counter() - begin < 6.0:
+        # A new view every half second, as a hand turns it.
+        if time.perf_counter() - begin >= 0.5 * turn:
+            turn += 1
+            place = mathutils.Matrix.Rotation(0.02, 4, "Z") @ place
+            asked, waits = time.perf_counter(), True
+        called = time.perf_counter()
+        view.update(depsgraph)
+        view.show(scene, projection, place, size)
+        frame, _ = view.session.frame(), view.status()
+        longest = max(longest, time.perf_counter() - called)
+        if frame is not None and frame.serial not in serials:
+            serials.add(frame.serial)
+            frames += 1
+        if waits and frame is not None and frame.wish.key == view.key:
+            first_seen.append(time.perf_counter() - asked)
+            waits = False
+        time.sleep(1 / 60)
+    say(f"export {exported * 1000:.0f} ms; {frames / 6.0:.1f} pictures a second; a new view is seen after {np.median(first_seen) * 1000:.0f} ms; longest call {longest * 1000:.1f} ms")
+    assert frames / 6.0 >= 5.0, frames
+    assert longest < 0.1, longest
+    # The view of the camera is the picture of F12.
+    view.show(scene, projection, camera.matrix_world, size)
+    scene.rayloom.samples = 64
+    end = time.monotonic() + 60
+    while view.session.busy() and time.monotonic() < end:
+        time.sleep(0.02)
+    seen = view.session.frame().pixels[::-1, :, :3]
+    assert view.session.error() is None and seen.shape[:2] == (270, 480), view.session.error()
+    whole = render()[:, :, :3]
+    off = float(np.abs(np.clip(seen, 0, 1).mean() - np.clip(whole, 0, 1).mean()))
+    say(f"mean {seen.mean():.4f}, by F12 {whole.mean():.4f}, median difference {np.median(np.abs(seen - whole)):.4f}")
+    assert off < 0.01 and np.median(np.abs(seen - whole)) < 0.02
+    view.session.close()
+    view.session.join(5.0)
+    # Off, the engine has no viewport; on, it has; drawing calls what Blender offers.
+    engine = module("engine").RayloomRenderEngine
+    assert "view_draw" not in engine.__dict__
+    bpy.context.preferences.addons[ADDON].preferences.viewport = True
+    assert "view_draw" in engine.__dict__ and engine.is_registered
+    bpy.context.preferences.addons[ADDON].preferences.viewport = False
+    assert "view_draw" not in engine.__dict__ and engine.is_registered
+    calls = []
+    import types
+
+    fakes = {
+        "gpu": types.SimpleNamespace(
+            types=types.SimpleNamespace(Buffer=lambda kind, n, data: calls.append((kind, n, data.size)) or data, GPUTexture=lambda size, format, data: (size, format)),
+            state=types.SimpleNamespace(blend_set=calls.append),
+        ),
+        "gpu_extras.presets": types.SimpleNamespace(draw_texture_2d=lambda texture, at, w, h: calls.append((texture, at, w, h))),
+    }
+    kept = {name: sys.modules.get(name) for name in fakes}
+    sys.modules.update(fakes)
+    shader = types.SimpleNamespace(bind_display_space_shader=lambda s: calls.append("bind"), unbind_display_space_shader=lambda: calls.append("unbind"))
+    viewport.draw(shader, scene, (960, 540), view.session.frame())
+    sys.modules.update({k: v for k, v in kept.items() if v is not None})
+    n = 480 * 270 * 4
+    assert calls == [("FLOAT", n, n), "ALPHA_PREMULT", "bind", (((480, 270), "RGBA16F"), (0, 0), 960, 540), "unbind", "NONE"], calls
+
+
 def case_the_picture_so_far_is_shown():
     """While it renders, Blender gets what there is; the memory and the time left are told; the end is whole."""
     scene = new_scene((256, 256), samples=60)

@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "addons"))
 
-from rayloom_blender.core import bake, corners, decompose, denoiser, evaluate, exr, glb, lower, passes, pictures, process  # noqa: E402
+from rayloom_blender.core import bake, corners, decompose, denoiser, evaluate, exr, glb, lower, passes, pictures, process, viewport  # noqa: E402
 
 
 def read_glb(path):
@@ -242,6 +242,107 @@ class Denoiser(unittest.TestCase):
             open(path, "w").close()
             self.assertEqual(denoiser.find(folder), path)
             self.assertEqual(os.path.realpath(denoiser.find("", os.path.join(folder, "blender"))), os.path.realpath(path))
+
+
+class FakeRenderer:
+    """A renderer that makes one picture after the other, of the number of its start, until it is stopped or has made `n`."""
+
+    started, stopped = [], []
+
+    def __init__(self, command, folder):
+        self.live, self.size, self.n, self.value = command["live"], command["size"], command["n"], len(self.started) + 1
+        self.started.append(self)
+
+    def running(self):
+        return self.n > 0
+
+    def events(self):
+        if self.n == 0:
+            return []
+        self.n -= 1
+        np.full((self.size[1], self.size[0], 4), self.value, "<f4").tofile(self.live)
+        return [{"event": "picture"}]
+
+    def wait_readers(self):
+        pass
+
+    def stop(self):
+        self.stopped.append(self)
+
+    def verdict(self):
+        return None if self.value < 100 else "it broke"
+
+
+class Viewport(unittest.TestCase):
+    """The thread that keeps a renderer busy."""
+
+    def setUp(self):
+        FakeRenderer.started, FakeRenderer.stopped = [], []
+        self.folder = tempfile.TemporaryDirectory()
+        self.session = viewport.Session(self.folder.name, start=FakeRenderer)
+
+    def tearDown(self):
+        self.session.close()
+        self.session.join(5.0)
+        self.folder.cleanup()
+
+    def wish(self, n):
+        command = lambda path, live, size, samples: {"live": live, "size": size, "n": n}  # noqa: E731
+        return viewport.Wish((64, 32), 16, lambda path: None, command)
+
+    def until(self, what, seconds=5.0):
+        end = time.monotonic() + seconds
+        while not what() and time.monotonic() < end:
+            time.sleep(0.005)
+        self.assertTrue(what())
+
+    def test_small_pictures_come_first_then_whole_ones(self):
+        self.session.show(self.wish(2))
+        self.until(lambda: not self.session.busy())
+        self.assertEqual([r.size for r in FakeRenderer.started], [(16, 8), (64, 32)])
+        frame = self.session.frame()
+        self.assertEqual((frame.pixels.shape, float(frame.pixels[0, 0, 0]), self.session.error()), ((32, 64, 4), 2.0, None))
+
+    def test_a_change_ends_the_renderer_and_never_waits(self):
+        self.session.show(self.wish(10**9))
+        self.until(lambda: self.session.frame() is not None)
+        start = time.monotonic()
+        self.session.show(self.wish(1))
+        self.assertLess(time.monotonic() - start, 0.1)
+        self.until(lambda: not self.session.busy())
+        self.assertEqual(len(FakeRenderer.stopped), 3)
+        self.assertEqual(float(self.session.frame().pixels[0, 0, 0]), 3.0)
+
+    def test_errors_are_told_and_the_next_wish_is_served(self):
+        broken = self.wish(1)
+        broken.write = lambda path: (_ for _ in ()).throw(OSError("no room"))
+        self.session.show(broken)
+        self.until(lambda: not self.session.busy())
+        self.assertEqual(self.session.error(), "no room")
+        self.session.show(self.wish(1))
+        self.until(lambda: not self.session.busy())
+        self.assertIsNone(self.session.error())
+
+    def test_closing_ends_a_running_renderer(self):
+        self.session.show(self.wish(10**9))
+        self.until(lambda: self.session.frame() is not None)
+        self.session.close()
+        self.session.join(5.0)
+        self.assertEqual(len(FakeRenderer.stopped), len(FakeRenderer.started))
+
+    def test_a_projection_becomes_a_camera(self):
+        # 90 degrees across 2:1, the middle of the picture to the right by a tenth of its width.
+        p = [[1.0, 0, 0.2, 0], [0, 2.0, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]]
+        camera, matrix = viewport.camera_of(p, np.eye(4), (200, 100))
+        own = camera["extensions"]["RAYLOOM_scene"]
+        self.assertEqual((own["lens"], own["shift"]), (18.0, [0.1, 0.0]))
+        p = [[0.5, 0, 0, 0], [0, 1.0, 0, 0.5], [0, 0, -0.1, 0], [0, 0, 0, 1]]
+        own = viewport.camera_of(p, np.eye(4), (200, 100))[0]["extensions"]["RAYLOOM_scene"]
+        self.assertEqual((own["type"], own["orthoScale"], own["shift"]), ("orthographic", 4.0, [0.0, -0.125]))
+        document = {"nodes": [{"name": "root"}], "extensions": {"RAYLOOM_scene": {"root": 0}}}
+        seen = viewport.with_camera(document, camera, matrix)
+        self.assertEqual((seen["extensions"]["RAYLOOM_scene"]["camera"], seen["nodes"][0]["children"]), (1, [1]))
+        self.assertNotIn("children", document["nodes"][0])
 
 
 class Passes(unittest.TestCase):
