@@ -34,7 +34,7 @@ const EXIT_CODES: &str = "Exit codes: 0 done, 1 internal fault, 2 usage, 3 scene
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Renders a scene: .pov, .ini, .glb, .gltf or .obj
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     /// Renders with POV-Ray's own options: +Iscene.pov +Oout.png +W640 +H480 +A0.3
     #[command(disable_help_flag = true)]
     Povray(povray::PovrayArgs),
