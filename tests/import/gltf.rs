@@ -1,7 +1,10 @@
 //! What glTF says and what the scene then holds.
 
 use crate::files::{Data, Folder, SQUARE, material, mesh, png};
+use rayloom::diag::Sink;
+use rayloom::import::{ImportOptions, load};
 use rayloom::math::{DVec3, Vec3};
+use rayloom::memory::MemoryLimit;
 use rayloom::scene::material::{AlphaMode, Texels, Wrap};
 use rayloom::scene::{Projection, light::Fade, light::LightKind};
 use std::sync::Arc;
@@ -334,4 +337,14 @@ fn gpu_instances_stand_inside_their_node_and_share_its_mesh() {
     ] {
         assert!(f.error(name).contains(what), "{name}: {}", f.error(name));
     }
+}
+
+#[test]
+fn instances_without_bytes_behind_them_do_not_take_all_memory() {
+    let mut d = Data::default();
+    let many = d.add_bare(r#"{"componentType":5126,"type":"VEC3","count":16000000}"#);
+    let f = Folder::new().with("a.glb", instanced(&mut d, &format!(r#""TRANSLATION":{many}"#)));
+    let options = ImportOptions { memory: MemoryLimit::bytes(1 << 30), ..ImportOptions::default() };
+    let error = load(&f.path("a.glb"), &options, &mut Sink::default()).expect_err("16 million objects").to_string();
+    assert!(error.contains("out of memory"), "{error}");
 }

@@ -216,7 +216,7 @@ fn hair_grids_motion_and_switches_arrive() {
         ),
     ];
     let extension = format!(
-        r#","render":{{"resolution":[8,4],"samples":7,"passes":["depth","glossyDirect","mist"],"seed":3,"clampIndirect":0,"motionBlur":{{"shutter":0.5}},"hair":{{"shape":"thick"}},
+        r#","render":{{"resolution":[8,4],"samples":7,"passes":["depth","glossyDirect","glint"],"seed":3,"clampIndirect":0,"motionBlur":{{"shutter":0.5}},"hair":{{"shape":"thick"}},
         "bounces":{{"total":5,"diffuse":1}},"filter":{{"type":"gaussian","width":2}}}},
         "curves":[{{"points":{points},"radii":{radii},"offsets":{offsets},"material":0}}],
         "grids":[{{"bufferView":{grid},"resolution":[2,2,2],"affine":[4,0,0,-2, 0,4,0,-2, 0,0,4,-2]}}]"#
@@ -235,7 +235,7 @@ fn hair_grids_motion_and_switches_arrive() {
     assert_eq!((&*traits.name, &*traits.asset, traits.motion.len()), ("Box", "Shelf", 3));
     assert_eq!(traits.motion[2].point(DVec3::ZERO), DVec3::X);
     let passes: Vec<Pass> = s.settings.path.passes.iter().collect();
-    assert_eq!(passes, [Pass::Depth, Pass::GlossyDirect, Pass::GlossyColor], "mist is left out");
+    assert_eq!(passes, [Pass::Depth, Pass::GlossyDirect, Pass::GlossyColor], "unknown passes are left out");
     assert_eq!(mesh(&s, 1).motion[2].vertices[0], Vec3::from_slice(&SQUARE[..3]) + 1.0);
     let shader = material(&s, 1).shader.as_ref().expect("a shader");
     assert!(shader.surface.is_none(), "a hull of a volume has no surface");

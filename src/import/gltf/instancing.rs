@@ -6,6 +6,7 @@ use super::accessor::Accessor;
 use super::nodes::MAX_INSTANCES;
 use crate::diag::Sink;
 use crate::math::{DAffine3, DVec3};
+use crate::memory::MemoryLimit;
 use ::gltf::json;
 use glam::DQuat;
 use serde_json::Value;
@@ -14,7 +15,13 @@ use serde_json::Value;
 pub(super) const NAME: &str = "EXT_mesh_gpu_instancing";
 
 /// The transforms of node `ix`'s instances, in its own space; `None` when it has not the extension.
-pub(super) fn instances(doc: &Document, ix: usize, node: &json::Node, sink: &mut Sink) -> Result<Option<Vec<DAffine3>>, ImportError> {
+pub(super) fn instances(
+    doc: &Document,
+    ix: usize,
+    node: &json::Node,
+    memory: MemoryLimit,
+    sink: &mut Sink,
+) -> Result<Option<Vec<DAffine3>>, ImportError> {
     let Some(value) = node.extensions.as_ref().and_then(|e| e.others.get(NAME)) else { return Ok(None) };
     let place = || format!("node {ix}, {NAME}");
     let Some(attributes) = value.get("attributes").and_then(Value::as_object) else {
@@ -39,6 +46,8 @@ pub(super) fn instances(doc: &Document, ix: usize, node: &json::Node, sink: &mut
     if n > MAX_INSTANCES {
         return Err(ImportError::TooMany { path: doc.path.to_owned(), what: "placed primitives", limit: MAX_INSTANCES });
     }
+    // Here and in the world.
+    memory.allows((2 * n * size_of::<DAffine3>()) as u64)?;
     let wide =
         |a: &Option<Accessor>, k: usize, rest: DVec3| a.as_ref().map_or(rest, |a| DVec3::from_array(a.floats::<3>(k, 0.0).map(f64::from)));
     let instance = |k: usize| {

@@ -142,7 +142,8 @@ pub(super) fn triangles(
     if motion.windows(2).all(|w| w[0] == w[1]) {
         motion.clear();
     }
-    let MeshStep { vertices, normals } = bent(&wanted.form)?;
+    let rest = if bones.is_some() || primitive.targets.is_some() { Some(bent(&wanted.form)?) } else { None };
+    let MeshStep { vertices, normals } = rest.unwrap_or(MeshStep { vertices, normals });
     if let Some(bad) = vertices.iter().position(|v| !v.is_finite()) {
         let v = vertices[bad];
         let vertex = used.map_or(bad, |u| u[bad] as usize);

@@ -90,7 +90,7 @@ impl Builder<'_> {
     fn node(&mut self, ix: usize, node: &json::Node) -> Result<(), ImportError> {
         let world = &self.pose.world(ix).expect("the tree's nodes have places");
         let others = node.extensions.as_ref().map(|e| &e.others);
-        let instances = instances(self.doc, ix, node, self.sink)?;
+        let instances = instances(self.doc, ix, node, self.options.memory, self.sink)?;
         let n_places = instances.as_ref().map_or(1, Vec::len);
         let traits = match (&self.extension, rayloom::part(others)) {
             (Some(e), Some(value)) => e.node(ix, value, n_places, self.sink)?,
