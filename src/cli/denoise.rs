@@ -1,7 +1,7 @@
 //! `rayloom denoise`: denoises a picture that is there already.
 
 use super::console::print_error;
-use super::render::{GuidesArg, PrefilterArg, QualityArg, denoise_settings};
+use super::denoise_args::{GuidesArg, PrefilterArg, QualityArg, denoise_settings};
 use rayloom::compare::DEFAULT_MAX_PIXELS;
 use rayloom::denoise::{Denoiser, guide_passes};
 use rayloom::film::{DENOISED, Encoding, FileFormat, check_writable, read_exr, write_picture};

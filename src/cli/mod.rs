@@ -3,6 +3,7 @@
 mod bench;
 mod console;
 mod denoise;
+mod denoise_args;
 mod diff;
 mod diff_outcome;
 mod info;
@@ -12,6 +13,7 @@ mod merge;
 mod povray;
 mod progress;
 mod render;
+mod render_listener;
 mod suite;
 
 use clap::{Parser, Subcommand};

@@ -1,17 +1,16 @@
 //! `rayloom render`: any scene to a picture.
 
 use super::console::{print_error, style};
+use super::denoise_args::DenoiseOptions;
 use super::interrupt::Interrupt;
 use super::live::LivePicture;
 use super::progress::{ProgressKind, ProgressView};
+use super::render_listener::RenderListener;
 use clap::{Args, ValueEnum};
 use rayloom::accel::AccelKind;
-use rayloom::denoise::{DenoiseQuality, DenoiseSettings, Guides, Prefilter};
-use rayloom::diag::{Diagnostic, SourceMap, Style, render};
-use rayloom::film::{FileFormat, FileGamma, Film};
+use rayloom::film::{FileFormat, FileGamma};
 use rayloom::integrate::{Antialias, IntegratorKind, NoiseLimit};
-use rayloom::job::{Job, JobError, Listener, Moment, Outcome, SceneFormat, Stage, Target, include_folders, job_for_frame};
-use rayloom::lang::Stream;
+use rayloom::job::{Job, JobError, Moment, Outcome, SceneFormat, Target, include_folders, job_for_frame};
 use rayloom::lang::options::{Environment, PovOptions, frames};
 use rayloom::scene::{Pass, PassSet};
 use rayloom::world::DiskWorld;
@@ -61,24 +60,8 @@ pub struct RenderArgs {
     /// Fewest samples of a pixel with a noise threshold [default: by the threshold, 64 at 0.01]
     #[arg(long, value_name = "N", requires = "noise_threshold", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     min_spp: Option<u32>,
-    /// Denoise the finished picture with Intel Open Image Denoise (docs/denoise.md) [default: what the scene asks for]
-    #[arg(long, conflicts_with = "no_denoise")]
-    denoise: bool,
-    /// Leave the picture noisy, whatever the scene asks for
-    #[arg(long)]
-    no_denoise: bool,
-    /// What guides the denoiser besides the colours
-    #[arg(long, value_enum, value_name = "WHAT", default_value_t = GuidesArg::AlbedoNormal, requires = "denoise")]
-    denoise_guides: GuidesArg,
-    /// What is done about noise in the guides: nothing, little, denoise them first
-    #[arg(long, value_enum, value_name = "HOW", default_value_t = PrefilterArg::Accurate, requires = "denoise")]
-    denoise_prefilter: PrefilterArg,
-    /// The denoiser's quality against its time
-    #[arg(long, value_enum, value_name = "Q", default_value_t = QualityArg::High, requires = "denoise")]
-    denoise_quality: QualityArg,
-    /// The library libOpenImageDenoise, or the folder that it is in [default: $RAYLOOM_OIDN, beside the program, the system's]
-    #[arg(long, value_name = "PATH")]
-    denoise_library: Option<PathBuf>,
+    #[command(flatten)]
+    denoising: DenoiseOptions,
     /// Seconds of rendering at most, with the path integrator; the picture has the samples that there are then, one a pixel at least; 0 for no limit
     /// [default: what the scene asks for]
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
@@ -175,48 +158,6 @@ enum IntegratorArg {
     Auto,
     Classic,
     Path,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum GuidesArg {
-    None,
-    Albedo,
-    AlbedoNormal,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum PrefilterArg {
-    None,
-    Fast,
-    Accurate,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum QualityArg {
-    High,
-    Balanced,
-    Fast,
-}
-
-/// The settings of these words.
-pub(super) fn denoise_settings(guides: GuidesArg, prefilter: PrefilterArg, quality: QualityArg) -> DenoiseSettings {
-    DenoiseSettings {
-        guides: match guides {
-            GuidesArg::None => Guides::None,
-            GuidesArg::Albedo => Guides::Albedo,
-            GuidesArg::AlbedoNormal => Guides::AlbedoNormal,
-        },
-        prefilter: match prefilter {
-            PrefilterArg::None => Prefilter::None,
-            PrefilterArg::Fast => Prefilter::Fast,
-            PrefilterArg::Accurate => Prefilter::Accurate,
-        },
-        quality: match quality {
-            QualityArg::High => DenoiseQuality::High,
-            QualityArg::Balanced => DenoiseQuality::Balanced,
-            QualityArg::Fast => DenoiseQuality::Fast,
-        },
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -470,65 +411,9 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
     job.passes = args.passes;
     let limit = |threshold| (threshold > 0.0).then_some(NoiseLimit { threshold, min_samples: args.min_spp.unwrap_or(0) });
     job.noise = args.noise_threshold.map(limit);
-    let wanted = denoise_settings(args.denoise_guides, args.denoise_prefilter, args.denoise_quality);
-    job.denoise = if args.no_denoise { Some(None) } else { args.denoise.then_some(Some(wanted)) };
+    job.denoise = args.denoising.wanted();
     job.time_limit = args.time_limit;
     job.render.in_rounds = args.in_rounds;
-    job.denoise_library = args.denoise_library.clone();
+    job.denoise_library = args.denoising.denoise_library.clone();
     Ok(job)
-}
-
-struct RenderListener {
-    view: ProgressView,
-    style: Style,
-    interrupt: Interrupt,
-    live: Option<LivePicture>,
-}
-
-impl Listener for RenderListener {
-    fn stage(&self, stage: &Stage) {
-        match stage {
-            Stage::Loading => self.view.event(&serde_json::json!({"event": "loading"})),
-            Stage::Compiling => self.view.event(&serde_json::json!({"event": "compiling"})),
-            Stage::Rendering { device, resumed_pixels } => {
-                self.interrupt.rendering.store(true, Ordering::SeqCst);
-                self.view.event(&serde_json::json!({"event": "rendering", "device": device, "resumed_pixels": resumed_pixels}));
-            }
-            Stage::Denoising => self.view.event(&serde_json::json!({"event": "denoising", "share": 0.0})),
-            Stage::Writing => self.view.event(&serde_json::json!({"event": "writing"})),
-        }
-    }
-
-    fn diagnostic(&self, d: &Diagnostic, map: &SourceMap) {
-        let text = render(d, map, Style::default());
-        let place = d.span.map(|s| map.position(s)).map(|(f, l, c)| serde_json::json!({"file": f, "line": l, "column": c}));
-        self.view.event(&serde_json::json!({
-            "event": "diagnostic", "severity": format!("{:?}", d.severity).to_lowercase(), "message": d.message, "place": place, "text": text,
-        }));
-        self.view.line(&render(d, map, self.style));
-    }
-
-    fn text(&self, _stream: Stream, text: &str) {
-        self.view.line(text);
-    }
-
-    fn pixels(&self, done: u64, total: u64) {
-        self.view.pixels(done, total);
-    }
-
-    fn denoised(&self, share: f64) {
-        self.view.denoised(share);
-    }
-
-    fn finished(&self, film: &Film) {
-        if self.live.as_ref().is_some_and(|l| l.finish(film)) {
-            self.view.event(&serde_json::json!({"event": "picture"}));
-        }
-    }
-
-    fn picture(&self, film: &Film) {
-        if self.live.as_ref().is_some_and(|l| l.show(film)) {
-            self.view.event(&serde_json::json!({"event": "picture"}));
-        }
-    }
 }
