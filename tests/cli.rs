@@ -235,3 +235,32 @@ fn an_interrupt_saves_what_is_rendered_and_resume_goes_on_from_it() {
     assert_eq!(code(&f.run(&whole)), 0);
     assert_eq!(std::fs::read(f.path("p.png")).ok(), std::fs::read(f.path("whole.png")).ok());
 }
+
+#[test]
+fn a_denoiser_that_is_not_there_is_an_error_before_the_first_ray() {
+    let f = Folder::with_scene();
+    let render = |more: &[&str]| f.run(&[&["render", "s.pov", "-o", "o.png", "--size", "32x24"], more].concat());
+    let o = render(&["--integrator", "path", "--denoise", "--denoise-library", "nowhere"]);
+    assert_eq!(code(&o), 5, "{}", err(&o));
+    assert!(!f.path("o.png").exists());
+    if cfg!(feature = "denoise") {
+        assert!(err(&o).contains("nowhere") && err(&o).contains("--no-denoise"), "{}", err(&o));
+    }
+    let o = render(&["--denoise"]);
+    assert!(code(&o) == 2 && err(&o).contains("path integrator"), "{}", err(&o));
+    assert_eq!(code(&render(&["--integrator", "path", "--spp", "1", "--no-denoise"])), 0);
+}
+
+#[test]
+fn a_time_limit_ends_a_picture_and_says_how_many_samples_it_has() {
+    let f = Folder::with_scene();
+    let limited = ["render", "s.pov", "-o", "o.exr", "--size", "32x24", "--time-limit", "0.2", "--spp", "1000000"];
+    let o = f.run(&[&limited[..], &["--integrator", "path", "--backend", "cpu", "--stats", "t.json"]].concat());
+    assert!(code(&o) == 0 && err(&o).contains("in the time limit"), "{}", err(&o));
+    let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(f.path("t.json")).expect("written")).expect("JSON");
+    let samples = &stats["samples"];
+    assert!(samples["least"].as_u64() >= Some(1) && samples["most"].as_u64() < Some(1_000_000), "{samples}");
+    assert_eq!(samples["time_limit_reached"], true);
+    let o = f.run(&limited);
+    assert!(code(&o) == 2 && err(&o).contains("path integrator"), "{}", err(&o));
+}
