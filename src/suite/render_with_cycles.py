@@ -33,8 +33,9 @@ def main(scene_path, width, height, samples, outs):
     cycles.device = "CPU"
     cycles.samples = samples
     cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
-    cycles.blur_glossy = 0.0
+    if not scene_path.endswith(".blend"):
+        # A Blender file's own settings stay; others have none, and rayloom takes none for them.
+        cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
     cycles.use_animated_seed = False
     image = scene.render.image_settings
     image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGB", "32"

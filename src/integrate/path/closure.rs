@@ -62,8 +62,6 @@ pub struct View {
     pub reflective: bool,
     /// Refraction counts.
     pub refractive: bool,
-    /// Fewest roughness of glossy lobes ("filter glossy").
-    pub min_roughness: f32,
     /// Light goes ways below the surface; else it is diffuse there.
     pub below: bool,
 }
@@ -71,7 +69,7 @@ pub struct View {
 impl View {
     /// With everything that the closures have, for `mirrors`, none of them otherwise.
     pub const fn plain(mirrors: bool) -> Self {
-        Self { reflective: mirrors, refractive: mirrors, min_roughness: 0.0, below: true }
+        Self { reflective: mirrors, refractive: mirrors, below: true }
     }
 }
 
@@ -204,7 +202,7 @@ impl Builder<'_, '_> {
                     return;
                 }
                 let color = s.color(color).clamp(Vec3::ZERO, Vec3::ONE);
-                let rough = self.roughness(s.scalar(roughness));
+                let rough = s.scalar(roughness).clamp(0.0, 1.0);
                 let (n, is_bent) = self.mirror_normal(normal.as_deref());
                 let a = s.scalar(anisotropy).clamp(-0.99, 0.99);
                 let width = rough * rough;
@@ -228,7 +226,7 @@ impl Builder<'_, '_> {
                 if !self.view.refractive {
                     return;
                 }
-                let rough = self.roughness(s.scalar(roughness));
+                let rough = s.scalar(roughness).clamp(0.0, 1.0);
                 let (n, is_bent) = self.mirror_normal(normal.as_deref());
                 let ior = s.scalar(ior).max(1e-5);
                 let eta = if s.backfacing { 1.0 / ior } else { ior };
@@ -248,11 +246,6 @@ impl Builder<'_, '_> {
     /// Adds a lobe; `albedo` weighs its chance.
     pub(super) fn push(&mut self, weight: Rgb, albedo: f32, frame: Frame, kind: LobeKind, is_bent: bool) {
         self.out.lobes.push(Lobe { weight, chance: mean(weight).abs() * albedo, frame, kind, is_bent });
-    }
-
-    /// Roughness as lobes have it: not below what "filter glossy" asks for.
-    pub(super) fn roughness(&self, r: f32) -> f32 {
-        r.clamp(0.0, 1.0).max(self.view.min_roughness)
     }
 
     /// A normal for mirrors.
@@ -326,7 +319,7 @@ impl Builder<'_, '_> {
         if tint[0].max_element() <= 0.0 && tint[1].max_element() <= 0.0 {
             return;
         }
-        let rough = self.roughness(roughness);
+        let rough = roughness.clamp(0.0, 1.0);
         let ior = ior.max(1e-5);
         let eta = if self.surface.backfacing { 1.0 / ior } else { ior };
         let (n, is_bent) = self.mirror_normal(n);

@@ -95,7 +95,7 @@ impl Builder<'_, '_> {
         let ior = s.scalar(&p.coat_ior).max(1.0);
         let cos = n.dot(s.v).clamp(0.0, 1.0);
         if self.view.reflective {
-            let rough = self.roughness(s.scalar(&p.coat_roughness));
+            let rough = s.scalar(&p.coat_roughness).clamp(0.0, 1.0);
             let f0 = f0_of(ior);
             let fresnel = Fresnel::Dielectric { eta: ior, f0: Vec3::splat(f0), tint: [Vec3::ONE, Vec3::ZERO] };
             let f = f0 + (1.0 - f0) * albedo::dielectric_mix(ior, rough, cos);
@@ -114,7 +114,7 @@ impl Builder<'_, '_> {
     }
 
     fn widths(&self, p: &PrincipledClosure, roughness: f32, n: Vec3) -> (Ggx, Frame, f32) {
-        let rough = self.roughness(roughness);
+        let rough = roughness.clamp(0.0, 1.0);
         let width = rough * rough;
         let anisotropic = self.surface.scalar(&p.anisotropic).clamp(0.0, 1.0);
         if anisotropic <= 0.0 {
@@ -171,7 +171,7 @@ impl Builder<'_, '_> {
 
     /// A pane: reflection at the front, light straight through, spread by the roughness not at all.
     fn thin_wall(&mut self, p: &PrincipledClosure, weight: Rgb, base: Rgb, roughness: f32, ior: f32, n: Vec3) {
-        let rough = self.roughness(roughness);
+        let rough = roughness.clamp(0.0, 1.0);
         let cos = n.dot(self.surface.v).clamp(0.0, 1.0);
         let f0 = f0_of(ior);
         let f = f0 + (1.0 - f0) * albedo::dielectric_mix(ior, rough, cos);

@@ -269,7 +269,6 @@ impl<'p> PathTracer<'p> {
         let view = View {
             reflective: s.caustics_reflective || caustics,
             refractive: s.caustics_refractive || caustics,
-            min_roughness: blur(s.filter_glossy, path.min_pdf),
             // Light that goes below a surface would not be seen behind a diffuse one. Source: Cycles (measured).
             below: !path.bounces.has_been_diffuse(),
         };
@@ -277,6 +276,7 @@ impl<'p> PathTracer<'p> {
             Some(shader) => shade(shader.surface.as_ref(), &surface, view),
             None => plan.pov_shading(&surface, cover, view),
         };
+        shading.lobes.widen(least_width(s.filter_glossy, path.min_pdf));
         if path.bounces.total == 0 {
             self.split_at_catcher(path, &surface, hit, survival);
             self.make_hole(path, &surface, &mut shading);
@@ -463,8 +463,8 @@ pub(super) fn shadow_start(surface: &Surface, dir: DVec3) -> DVec3 {
     surface.hit.point.lerp(surface.raised_point(outward), amount)
 }
 
-/// Least roughness after a bounce of density `pdf`. Source: Cycles' "filter glossy".
-fn blur(filter_glossy: f32, pdf: f32) -> f32 {
+/// Least width of lobes after a bounce of density `pdf`. Source: Cycles' "filter glossy".
+fn least_width(filter_glossy: f32, pdf: f32) -> f32 {
     if filter_glossy <= 0.0 {
         return 0.0;
     }

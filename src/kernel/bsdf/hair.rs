@@ -151,6 +151,15 @@ impl Hair {
         }
     }
 
+    /// Makes all lobes at least so wide, along and around the fibre.
+    pub fn widen(&mut self, least: f32) {
+        // The lobes that go through and back have a quarter of and four times the width's variance, as in `new`.
+        for (v, share) in self.v.iter_mut().zip([1.0, 0.25, 4.0, 4.0]) {
+            *v = v.max(share * least);
+        }
+        self.s = self.s.max(least);
+    }
+
     /// Mean azimuth of lobe `p`.
     fn turn(&self, p: usize) -> f32 {
         2.0 * p as f32 * self.gamma_t - 2.0 * self.gamma_o + p as f32 * PI

@@ -266,6 +266,21 @@ impl LobeSet {
         self.lobes[..self.n].iter().flatten()
     }
 
+    /// Makes mirror lobes and hair at least so wide (roughness squared); their weights stay as they are. Source: Cycles (suite
+    /// `path/transport/filter_glossy`).
+    pub fn widen(&mut self, least: f32) {
+        if least <= 0.0 {
+            return;
+        }
+        for lobe in self.lobes[..self.n].iter_mut().flatten() {
+            match &mut lobe.kind {
+                LobeKind::Microfacet(m) => m.ggx = ggx::Ggx { ax: m.ggx.ax.max(least), ay: m.ggx.ay.max(least) },
+                LobeKind::Hair(h) => h.widen(least),
+                _ => {}
+            }
+        }
+    }
+
     /// Whether there is nothing.
     pub fn is_empty(&self) -> bool {
         self.n == 0

@@ -209,6 +209,17 @@ def no_caustics():
     c.caustics_reflective = c.caustics_refractive = False
 
 
+@case("transport/filter_glossy", "Mirrors behind diffuse bounces, blurred as Blender does from the start.", spp=64)
+def filter_glossy():
+    world((0.1, 0.1, 0.1))
+    floor()
+    ball(closure("Mirror", "ShaderNodeBsdfAnisotropic", Color=(0.9, 0.7, 0.5), Roughness=0.0), radius=0.6, place=(-0.7, 0, 0.6))
+    ball(closure("Dull", "ShaderNodeBsdfAnisotropic", Color=(0.5, 0.7, 0.9), Roughness=0.3), radius=0.6, place=(0.7, 0, 0.6))
+    lamp("AREA", (-2, -1, 3), (0, 0, 0.8), 150.0, size=2.0)
+    camera()
+    bpy.context.scene.cycles.blur_glossy = 1.0
+
+
 @case("transport/transparent_limit", "More sheets than transparent bounces.")
 def transparent_limit():
     things()

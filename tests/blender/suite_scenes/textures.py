@@ -210,6 +210,12 @@ def hair_rough():
     _strands(closure("hair", "ShaderNodeBsdfHairPrincipled", own, Color=(0.8, 0.6, 0.3), Roughness=0.6, Radial_Roughness=0.7, Coat=0.3))
 
 
+@case("hair/filter_glossy", "Hair of a colour, blurred from the second bounce on.", spp=32)
+def hair_filter_glossy():
+    _strands(closure("hair", "ShaderNodeBsdfHairPrincipled", {"model": "CHIANG"}, Color=(0.8, 0.6, 0.4), Roughness=0.15))
+    bpy.context.scene.cycles.blur_glossy = 1.0
+
+
 @case("hair/diffuse", "Hair of a matt closure.")
 def hair_diffuse():
     _strands(closure("hair", "ShaderNodeBsdfDiffuse", Color=(0.3, 0.5, 0.2)))

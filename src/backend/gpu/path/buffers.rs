@@ -39,7 +39,7 @@ impl PathBuffers {
     /// Encodes `scene` for a picture of the plan's size, with a structure of kind `kind`.
     pub fn new(scene: &CompiledScene, plan: &PathPlan, kind: AccelKind, size: [u32; 2]) -> Result<Self, BackendError> {
         let mut e = Encoder::default();
-        let mut tables = AlbedoTables::new(plan.settings.filter_glossy > 0.0);
+        let mut tables = AlbedoTables::default();
         let mut room = Room::default();
         let mut p = camera_params(scene, plan, size);
         let (materials_at, clear) = encode_materials(&plan.shaders, &mut e, &mut tables, &mut room)?;

@@ -22,26 +22,20 @@ type Job = (u32, Option<(Kind, f32)>, usize);
 pub(super) struct AlbedoTables {
     places: HashMap<(Kind, u32), (u32, BTreeSet<usize>)>,
     mirror_rows: BTreeSet<usize>,
-    is_raised: bool,
 }
 
 impl AlbedoTables {
-    /// None yet. `is_raised`: roughness may be raised to 0.5 ("filter glossy").
-    pub fn new(is_raised: bool) -> Self {
-        Self { is_raised, ..Self::default() }
-    }
-
     /// Rows between which a roughness lies; all of them for one that is not known.
-    fn rows(&self, roughness: Option<&Scalar>) -> std::ops::RangeInclusive<usize> {
+    fn rows(roughness: Option<&Scalar>) -> std::ops::RangeInclusive<usize> {
         let steps = (TABLE_SIDE - 1) as f32;
         let Some(r) = roughness.and_then(Scalar::as_constant) else { return 0..=TABLE_SIDE - 1 };
         let low = ((r.clamp(0.0, 1.0) * steps) as usize).min(TABLE_SIDE - 2);
-        low..=if self.is_raised { (low + 1).max(TABLE_SIDE / 2 + 1) } else { low + 1 }
+        low..=low + 1
     }
 
     /// The table of mirrors will be looked at for a roughness.
     pub fn mirror(&mut self, roughness: Option<&Scalar>) {
-        self.mirror_rows.extend(self.rows(roughness));
+        self.mirror_rows.extend(Self::rows(roughness));
     }
 
     /// Place of `dielectric_mix` of an index.
@@ -55,7 +49,7 @@ impl AlbedoTables {
     }
 
     fn place(&mut self, kind: Kind, eta: f32, roughness: Option<&Scalar>, words: &mut Vec<u32>) -> u32 {
-        let rows = self.rows(roughness);
+        let rows = Self::rows(roughness);
         let entry = self.places.entry((kind, eta.to_bits()));
         let (at, wanted) = entry.or_insert_with(|| (append(words, [0; TABLE_SIDE * TABLE_SIDE]), BTreeSet::new()));
         wanted.extend(rows);
