@@ -3,8 +3,10 @@
 //! The modules are rooms with ranks: a module imports lower ranks only (ARCHITECTURE.md follows a scene through them,
 //! `tests/tidy.rs` checks the ranks).
 
+pub mod cpu_time;
 pub mod math;
-pub mod memory; // rank 0
+pub mod memory;
+pub mod savings; // rank 0
 
 pub mod accel;
 pub mod diag; // rank 1

@@ -264,3 +264,42 @@ fn a_time_limit_ends_a_picture_and_says_how_many_samples_it_has() {
     let o = f.run(&limited);
     assert!(code(&o) == 2 && err(&o).contains("path integrator"), "{}", err(&o));
 }
+
+/// Something for every saving of the CPU: a mesh in view and one behind the camera, lights of all sides with an
+/// area light, glass with an interior, a mirror.
+const THRIFTY: &str = "#version 3.7; global_settings { assumed_gamma 1 max_trace_level 8 }\n\
+    camera { location -6*z+y look_at 0 }\nlight_source { <4, 6, -8> rgb 0.6 }\nlight_source { <-4, -6, 8> rgb 0.3 }\n\
+    light_source { <-3, 5, -3> rgb 0.5 area_light x, z, 6, 6 adaptive 1 }\n\
+    #for (K, 0, 2) sphere { <K - 1, 0.5, 0>, 0.4 pigment { rgbf 0.9 } finish { reflection 0.3 } interior { ior 1.4 } } #end\n\
+    plane { y, -0.5 pigment { checker rgb 1, rgb 0.3 } finish { reflection 0.2 } }\n\
+    #declare M = mesh { triangle { <-2, 0, 1>, <2, 0, 1>, <0, 2, 1> } triangle { <-2, 0, 1>, <2, 0, 1>, <0, -1, 2> } pigment { rgb <1, 0, 0> } }\n\
+    object { M }\nobject { M translate -40*z }\n";
+
+#[test]
+fn every_saving_keeps_the_picture_or_says_that_it_does_not() {
+    let f = Folder::with_scene();
+    std::fs::write(f.path("t.pov"), THRIFTY).expect("written");
+    let o = f.run(&["bench", "skip", "t.pov", "--size", "64x48", "--rounds", "1", "--backend", "cpu", "--csv", "t.csv"]);
+    let table = String::from_utf8_lossy(&o.stdout).into_owned();
+    assert_eq!(code(&o), 0, "{table}{}", err(&o));
+    let line = |name: &str| table.lines().find(|l| l.starts_with(name)).unwrap_or_else(|| panic!("no {name}: {table}"));
+    for name in ["trees", "frames", "lights", "blockers", "interiors", "shafts"] {
+        assert!(line(name).ends_with("  equal"), "{}", line(name));
+    }
+    for name in ["bailout", "antialias"] {
+        assert!(line(name).contains("values differ by nature"), "{}", line(name));
+    }
+    assert!(line("textures").contains("not measured"));
+    assert_eq!(std::fs::read_to_string(f.path("t.csv")).expect("a table").lines().count(), 12);
+    let info = f.run(&["info", "t.pov"]);
+    assert!(String::from_utf8_lossy(&info.stdout).contains("rayloom bench skip"));
+    assert_eq!(code(&f.run(&["render", "t.pov", "--no-skip=lamps"])), 2);
+    let picture = |options: &[&str]| {
+        let all = [&["render", "t.pov", "-o", "p.png", "--size", "64x48", "--backend", "cpu"], options].concat();
+        assert_eq!(code(&f.run(&all)), 0);
+        std::fs::read(f.path("p.png")).expect("a picture")
+    };
+    let with = picture(&[]);
+    assert!(with == picture(&["--no-skip"]) && with == picture(&["--no-skip=lights,shafts"]));
+    assert!(with != picture(&["--no-skip=bailout"]), "a switch that does something");
+}

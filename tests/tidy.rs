@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 const RANKS: &[(&str, u8)] = &[
     ("math", 0),
     ("memory", 0),
+    ("cpu_time", 0),
+    ("savings", 0),
     ("accel", 1),
     ("diag", 1),
     ("world", 2),
@@ -20,7 +22,7 @@ const RANKS: &[(&str, u8)] = &[
     ("integrate", 8),
     ("backend", 9),
     ("compare", 10),
-    ("bench", 11),
+    ("bench", 12),
     ("job", 11),
     ("suite", 11),
 ];

@@ -1,4 +1,4 @@
-"""Renders a scene with Cycles and times it. Arguments: SCENE WIDTH HEIGHT SAMPLES SEED THREADS OUT.exr.
+"""Renders a scene with Cycles and times it. Arguments: SCENE WIDTH HEIGHT SAMPLES SEED THREADS OUT.exr [box].
 Prints "seconds WALL CPU" of the render alone, its tree included, loading and writing left out. Needs Python with bpy (pip install bpy).
 
 Path tracing as `rayloom render --integrator path` does it: no denoiser, no adaptive sampling, the scene's own bounces and clamps.
@@ -12,7 +12,7 @@ import time
 import bpy
 
 
-def main(scene_path, width, height, samples, seed, threads, out):
+def main(scene_path, width, height, samples, seed, threads, out, pixel_filter=""):
     if scene_path.endswith(".blend"):
         bpy.ops.wm.open_mainfile(filepath=scene_path)
     else:
@@ -30,6 +30,8 @@ def main(scene_path, width, height, samples, seed, threads, out):
     cycles.device = "CPU"
     cycles.samples, cycles.seed, cycles.use_animated_seed = samples, seed, False
     cycles.use_adaptive_sampling = cycles.use_denoising = False
+    if pixel_filter == "box":
+        cycles.pixel_filter_type = "BOX"
     image = scene.render.image_settings
     image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGB", "32"
     for view_layer in scene.view_layers:
@@ -47,6 +49,6 @@ def main(scene_path, width, height, samples, seed, threads, out):
     print(f"seconds {wall:.6f} {cpu:.6f}", flush=True)
 
 
-main(os.path.abspath(sys.argv[1]), *map(int, sys.argv[2:7]), os.path.abspath(sys.argv[7]))
+main(os.path.abspath(sys.argv[1]), *map(int, sys.argv[2:7]), os.path.abspath(sys.argv[7]), *sys.argv[8:])
 # Blender's own tidying up at the end may hang in this build of it.
 os._exit(0)

@@ -22,28 +22,31 @@ pub const NO_PRIM: u32 = u32::MAX;
 
 /// A node: the boxes of its children, not its own. A child that is missing has a box that no ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C, align(64))]
+#[repr(C, align(32))]
 pub struct Bvh8Node {
     /// `[axis][lower, upper side][child]`.
     pub planes: [[[f32; WIDTH]; 2]; 3],
-    /// Inner child: its node. Leaf: first slot with [`BVH8_LEAF`] set.
+    /// Inner child: its node. Leaf: see [`leaf_slots`].
     pub child: [u32; WIDTH],
-    /// Primitives of a leaf, 0 for an inner child.
-    pub count: [u32; WIDTH],
+}
+
+/// First slot and number of primitives of a leaf: [`BVH8_LEAF`] is set, the slot is a multiple of [`PACK`], its lowest bits hold the number less one.
+#[inline(always)]
+pub fn leaf_slots(child: u32) -> (u32, u32) {
+    (child & !(BVH8_LEAF | (PACK as u32 - 1)), (child & (PACK as u32 - 1)) + 1)
 }
 
 impl Bvh8Node {
     /// No children.
-    pub(super) const EMPTY: Self =
-        Self { planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], child: [BVH8_LEAF; WIDTH], count: [0; WIDTH] };
+    pub(super) const EMPTY: Self = Self { planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3], child: [BVH8_LEAF; WIDTH] };
 
     /// Sets child `c`.
-    pub(super) fn set(&mut self, c: usize, bounds: &BoxF, child: u32, count: u32) {
+    pub(super) fn set(&mut self, c: usize, bounds: &BoxF, child: u32) {
         for k in 0..3 {
             self.planes[k][0][c] = bounds.lo[k];
             self.planes[k][1][c] = bounds.hi[k];
         }
-        (self.child[c], self.count[c]) = (child, count);
+        self.child[c] = child;
     }
 
     /// Box of a child.
@@ -151,16 +154,28 @@ impl Axis {
 /// Entries that a walk may leave behind: seven a level.
 const MAX_STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 
-/// A child to visit later.
-#[derive(Clone, Copy)]
-struct Entry {
-    t_enter: f32,
-    child: u32,
-    count: u32,
-}
+/// A child to visit later: where it is entered in the upper half, as bits, so that nearer is less; the child in the lower half.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+struct Entry(u64);
 
 impl Entry {
-    const ROOT: Self = Self { t_enter: 0.0, child: 0, count: 0 };
+    const ROOT: Self = Self(0);
+
+    /// `t_enter` is not negative.
+    #[inline(always)]
+    fn new(t_enter: f32, child: u32) -> Self {
+        Self(u64::from(t_enter.to_bits()) << 32 | u64::from(child))
+    }
+
+    #[inline(always)]
+    fn t_enter(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+
+    #[inline(always)]
+    fn child(self) -> u32 {
+        self.0 as u32
+    }
 }
 
 impl Bvh8 {
@@ -193,12 +208,12 @@ impl Bvh8 {
             self.slots.iter().filter(|s| **s != NO_PRIM).all(|r| seen.get_mut(*r as usize).is_some_and(|s| !std::mem::replace(s, true)));
         once && self.nodes.iter().enumerate().all(|(i, n)| {
             (0..WIDTH).all(|c| {
-                let (child, count) = (n.child[c], n.count[c]);
+                let child = n.child[c];
+                let (first, count) = leaf_slots(child);
                 if child & BVH8_LEAF != 0 {
-                    let first = (child ^ BVH8_LEAF) as usize;
-                    count as usize <= PACK && first.is_multiple_of(PACK) && first + count as usize <= self.slots.len()
+                    child == BVH8_LEAF || (first + count) as usize <= self.slots.len()
                 } else {
-                    count == 0 && child as usize > i && (child as usize) < self.nodes.len()
+                    child as usize > i && (child as usize) < self.nodes.len()
                 }
             })
         })
@@ -248,25 +263,34 @@ impl<V: LeafVisitor> Kernel for Walk<'_, V> {
         let mut stack = Stack::<Entry, MAX_STACK>::new();
         let mut at = Entry::ROOT;
         loop {
-            if at.child & BVH8_LEAF == 0 {
-                let node = &self.tree.nodes[at.child as usize];
+            if at.child() & BVH8_LEAF == 0 {
+                let node = &self.tree.nodes[at.child() as usize];
                 let (mut met, t_enter) = self.ray.meet(simd, node, self.t_min, far);
                 if met != 0 {
-                    let entry = |c: usize| Entry { t_enter: t_enter[c & 7], child: node.child[c & 7], count: node.count[c & 7] };
-                    at = entry(met.trailing_zeros() as usize);
+                    let c = met.trailing_zeros() as usize & 7;
                     met &= met - 1;
+                    if met == 0 {
+                        at = Entry::new(t_enter[c], node.child[c]);
+                        continue;
+                    }
+                    at = Entry::new(t_enter[c], node.child[c]);
+                    let c = met.trailing_zeros() as usize & 7;
+                    met &= met - 1;
+                    let other = Entry::new(t_enter[c], node.child[c]);
                     let bottom = stack.len();
+                    stack.push(if at < other { other } else { at });
+                    at = if at < other { at } else { other };
                     while met != 0 {
-                        let mut other = entry(met.trailing_zeros() as usize);
+                        let c = met.trailing_zeros() as usize & 7;
                         met &= met - 1;
-                        if other.t_enter < at.t_enter {
-                            std::mem::swap(&mut other, &mut at);
-                        }
+                        let entry = Entry::new(t_enter[c], node.child[c]);
+                        let other = if entry < at { at } else { entry };
+                        at = if entry < at { entry } else { at };
                         stack.push(other);
                         // Nearest on top.
                         let new = &mut stack.items()[bottom..];
                         let mut k = new.len() - 1;
-                        while k > 0 && new[k - 1].t_enter < other.t_enter {
+                        while k > 0 && new[k - 1] < other {
                             new[k] = new[k - 1];
                             k -= 1;
                         }
@@ -275,7 +299,8 @@ impl<V: LeafVisitor> Kernel for Walk<'_, V> {
                     continue;
                 }
             } else {
-                match self.visitor.leaf(simd, at.child ^ BVH8_LEAF, at.count, self.t_max) {
+                let (first, count) = leaf_slots(at.child());
+                match self.visitor.leaf(simd, first, count, self.t_max) {
                     Some(t) if t < self.t_max => {
                         self.t_max = t;
                         far = round_up(t);
@@ -286,7 +311,7 @@ impl<V: LeafVisitor> Kernel for Walk<'_, V> {
             }
             at = loop {
                 match stack.pop() {
-                    Some(e) if e.t_enter <= far => break e,
+                    Some(e) if e.t_enter() <= far => break e,
                     Some(_) => {}
                     None => return false,
                 }

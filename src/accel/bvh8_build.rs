@@ -1,7 +1,7 @@
 //! Building the wide BVH: a binary one, its nodes opened until each holds eight children.
 
 use super::bvh::BVH_LEAF;
-use super::bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, NO_PRIM, PACK, WIDTH};
+use super::bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, NO_PRIM, PACK, WIDTH, leaf_slots};
 use super::{AccelOptions, AccelStats, Bvh, PrimSet, seconds_since};
 use std::time::Instant;
 
@@ -16,8 +16,8 @@ impl Bvh8 {
     /// Builds over all primitives with usable bounds.
     pub fn build(prims: &impl PrimSet, options: &AccelOptions) -> Self {
         let start = Instant::now();
-        // A pack is tested at once: a full leaf costs little more than one primitive.
-        let options = AccelOptions { max_leaf: options.max_leaf.min(PACK), ..*options };
+        let max_leaf = options.max_leaf.min(PACK);
+        let options = AccelOptions { max_leaf, pack: options.pack.min(max_leaf), ..*options };
         let binary = Bvh::build(prims, &options);
         let n_inner = binary.nodes.len();
         let mut c = Collapse {
@@ -32,7 +32,7 @@ impl Bvh8 {
         let Collapse { nodes, slots, depth, .. } = c;
         let n_bytes = nodes.len() * size_of::<Bvh8Node>() + slots.len() * 4;
         let stats = AccelStats { n_nodes: nodes.len(), depth, n_bytes, build_seconds: seconds_since(start), ..binary.stats };
-        let is_single = nodes.iter().all(|n| n.count.iter().all(|c| *c < 2));
+        let is_single = nodes.iter().all(|n| n.child.iter().all(|c| *c & BVH8_LEAF == 0 || leaf_slots(*c).1 == 1));
         Self { nodes, slots, bounds: binary.bounds, is_single, stats }
     }
 }
@@ -47,13 +47,13 @@ impl Collapse<'_> {
         for (c, o) in open.iter().enumerate() {
             if o.is_inner() {
                 let inner = self.node(o.child, depth + 1);
-                self.nodes[at].set(c, &o.bounds, inner, 0);
+                self.nodes[at].set(c, &o.bounds, inner);
             } else {
                 let first = (o.child ^ BVH_LEAF) as usize;
                 let slot = self.slots.len();
                 self.slots.extend_from_slice(&self.binary.refs[first..first + o.count as usize]);
                 self.slots.resize(slot + PACK, NO_PRIM);
-                self.nodes[at].set(c, &o.bounds, BVH8_LEAF | slot as u32, o.count);
+                self.nodes[at].set(c, &o.bounds, BVH8_LEAF | slot as u32 | (o.count - 1));
             }
         }
         at as u32

@@ -29,6 +29,7 @@ struct Subtree {
 struct Builder {
     intersect_cost: f64,
     max_leaf: usize,
+    pack: usize,
     /// Added to side lengths, so that flat and thin boxes have an area.
     thin: f64,
     /// 1 / area of the root.
@@ -45,7 +46,13 @@ impl Bvh {
         let mut tree = Subtree::default();
         if n > 0 {
             let thin = 1e-6 * (0..3).map(|k| f64::from(bounds.hi[k]) - f64::from(bounds.lo[k])).fold(1e-100, f64::max);
-            let mut b = Builder { intersect_cost: options.intersect_cost, max_leaf: options.max_leaf.max(1), thin, per_root_area: 1.0 };
+            let mut b = Builder {
+                intersect_cost: options.intersect_cost,
+                max_leaf: options.max_leaf.max(1),
+                pack: options.pack.max(1),
+                thin,
+                per_root_area: 1.0,
+            };
             b.per_root_area = 1.0 / b.area(&bounds);
             let (child, count) = b.node(&mut refs, 0, &bounds, 0, &mut tree);
             if tree.nodes.is_empty() {
@@ -77,6 +84,18 @@ impl Builder {
         s[0] * s[1] + s[1] * s[2] + s[2] * s[0]
     }
 
+    /// Cost of a leaf: packs are tested at once.
+    #[inline]
+    fn leaf_cost(&self, n: usize) -> f64 {
+        self.intersect_cost * n.div_ceil(self.pack) as f64
+    }
+
+    /// Bins of an axis for a node of `n`. Where packs end the tree early, few do as well for small nodes, and most nodes are small.
+    #[inline]
+    fn n_bins(&self, n: usize) -> usize {
+        (if self.pack > 1 { 4 + n / 4 } else { 4 + 2 * n }).min(N_BINS)
+    }
+
     /// Appends the subtree of `refs`, whose first stands at `first` in the whole list and whose box is `bounds`.
     fn node(&self, refs: &mut [PrimRef], first: usize, bounds: &BoxF, depth: usize, out: &mut Subtree) -> Child {
         let n = refs.len();
@@ -84,7 +103,7 @@ impl Builder {
         let Some(split) = self.divide(refs, bounds, depth) else {
             out.n_leaves += 1;
             out.depth = out.depth.max(depth);
-            out.cost += share * self.intersect_cost * n as f64;
+            out.cost += share * self.leaf_cost(n);
             return (BVH_LEAF | first as u32, n as u32);
         };
         out.cost += share;
@@ -119,9 +138,9 @@ impl Builder {
         let centers = centers_of(refs);
         // From here on halves are needed to stay within the deepest level.
         let must_halve = depth + (usize::BITS - (n - 1).leading_zeros()) as usize >= MAX_DEPTH;
-        if !must_halve && let Some(bins) = BinMap::new(&centers, n) {
+        if !must_halve && let Some(bins) = BinMap::new(&centers, self.n_bins(n)) {
             let best = self.cheapest(&bins, refs, bounds);
-            if n <= self.max_leaf && best.cost >= self.intersect_cost * n as f64 {
+            if n <= self.max_leaf && best.cost >= self.leaf_cost(n) {
                 return None;
             }
             let n_left = partition(refs, |r| bins.bin(best.axis, r) < best.bin);
@@ -145,6 +164,7 @@ impl Builder {
             Bins::count(map, refs)
         };
         let scale = self.intersect_cost / self.area(bounds);
+        let n_tests = |n: u32| f64::from(n.div_ceil(self.pack as u32));
         let mut best = Boundary { cost: f64::INFINITY, axis: 0, bin: 0, left: BoxF::EMPTY, right: BoxF::EMPTY };
         for axis in 0..3 {
             let (boxes, counts) = (&bins.boxes[axis], &bins.counts[axis]);
@@ -154,7 +174,7 @@ impl Builder {
                 right.grow(&boxes[i]);
                 n += counts[i];
                 if n > 0 {
-                    above[i] = (right, self.area(&right) * f64::from(n));
+                    above[i] = (right, self.area(&right) * n_tests(n));
                 }
             }
             let (mut left, mut n) = (BoxF::EMPTY, 0);
@@ -162,7 +182,7 @@ impl Builder {
                 left.grow(&boxes[i - 1]);
                 n += counts[i - 1];
                 if n > 0 {
-                    let cost = 1.0 + scale * (self.area(&left) * f64::from(n) + above[i].1);
+                    let cost = 1.0 + scale * (self.area(&left) * n_tests(n) + above[i].1);
                     if cost < best.cost {
                         best = Boundary { cost, axis, bin: i, left, right: above[i].0 };
                     }
@@ -239,8 +259,7 @@ struct BinMap {
 
 impl BinMap {
     /// `None` when all centroids are in one place.
-    fn new(centers: &BoxF, n: usize) -> Option<Self> {
-        let n_bins = (4 + 2 * n).min(N_BINS);
+    fn new(centers: &BoxF, n_bins: usize) -> Option<Self> {
         let scale: [f32; 3] = std::array::from_fn(|k| {
             // Just below, so that the last centroid falls into the last bin.
             let s = n_bins as f32 * 0.999_99 / (centers.hi[k] - centers.lo[k]);

@@ -33,7 +33,7 @@ mod wide_build;
 pub use boxf::BoxF;
 pub use bvh::{BVH_LEAF, Bvh, BvhNode};
 pub use bvh_skip::{BvhSkip, SKIP_COUNT_BITS, SkipNode};
-pub use bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, LeafVisitor, NO_PRIM, PACK};
+pub use bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, LeafVisitor, NO_PRIM, PACK, leaf_slots};
 pub use grid::{GRID_INNER, GRID_LEVELS, Grid, GridBox, GridCell, GridEntry, pack_cell};
 pub use kd::{KdNode, KdTree, KdWalk};
 pub use kd_trail::SHORT_STACK;
@@ -77,13 +77,15 @@ pub struct AccelOptions {
     pub intersect_cost: f64,
     /// Most primitives of a BVH leaf.
     pub max_leaf: usize,
+    /// Primitives of a BVH leaf that are tested at once, for the price of one.
+    pub pack: usize,
     /// The kd-tree holds at most this many references for each primitive, plus a few hundred.
     pub max_refs_per_prim: f64,
 }
 
 impl Default for AccelOptions {
     fn default() -> Self {
-        Self { intersect_cost: 1.5, max_leaf: 4, max_refs_per_prim: 12.0 }
+        Self { intersect_cost: 1.5, max_leaf: 4, pack: 1, max_refs_per_prim: 12.0 }
     }
 }
 
@@ -140,18 +142,20 @@ impl Accel {
     pub fn build(kind: AccelKind, prims: &impl PrimSet, options: &AccelOptions) -> Self {
         let n = prims.len();
         assert!(n < (1 << 30), "a tree indexes fewer than 2^30 primitives; the compile step refuses more");
+        // The wide BVH alone tests packs.
+        let single = &AccelOptions { pack: 1, ..*options };
         match kind {
             // How threads share the work matters on GPUs alone.
             AccelKind::Brute | AccelKind::BruteTiled | AccelKind::BruteGroup => Self::Brute(n as u32),
             AccelKind::Grid => Self::Grid(Grid::build(prims, options, 1)),
             AccelKind::HierarchicalGrid => Self::Grid(Grid::build(prims, options, GRID_LEVELS)),
-            AccelKind::BvhSkip => Self::BvhSkip(BvhSkip::build(prims, options)),
-            AccelKind::Wide => Self::Wide(WideBvh::build(prims, options)),
+            AccelKind::BvhSkip => Self::BvhSkip(BvhSkip::build(prims, single)),
+            AccelKind::Wide => Self::Wide(WideBvh::build(prims, single)),
             AccelKind::Auto if n <= BRUTE_LIMIT => Self::Brute(n as u32),
             // A leaf takes four slots even for one primitive.
             AccelKind::Auto if n < 1 << 28 && is_wide() => Self::Bvh8(Bvh8::build(prims, options)),
             AccelKind::Bvh8 if n < 1 << 28 => Self::Bvh8(Bvh8::build(prims, options)),
-            AccelKind::Auto | AccelKind::Bvh8 | AccelKind::Bvh => Self::Bvh(Bvh::build(prims, options)),
+            AccelKind::Auto | AccelKind::Bvh8 | AccelKind::Bvh => Self::Bvh(Bvh::build(prims, single)),
             AccelKind::Kd => Self::Kd(KdTree::build(prims, options)),
             AccelKind::KdShort => Self::Kd(KdTree { walk: KdWalk::ShortStack, ..KdTree::build(prims, options) }),
             AccelKind::KdRestart => Self::Kd(KdTree { walk: KdWalk::Restart, ..KdTree::build(prims, options) }),

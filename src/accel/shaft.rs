@@ -4,7 +4,7 @@
 //! Conservative: a box that a ray of the shaft meets is in the list. Source: Haines and Wallace 1994, "Shaft culling".
 
 use super::boxf::{round_down, round_up};
-use super::bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, Bvh8Ray, WIDTH};
+use super::bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, Bvh8Ray, WIDTH, leaf_slots};
 use super::{Accel, BoxF, can_meet};
 use crate::math::simd::{self, Kernel, Simd};
 use crate::math::{DVec3, Ray};
@@ -100,7 +100,7 @@ fn along<S: Simd>(s: S, node: &Bvh8Node, slab: &Slab, k: usize) -> (S::F32x8, S:
 /// The primitives that a shaft may meet, in packs of eight boxes.
 #[derive(Clone, Debug, Default)]
 pub struct Candidates {
-    /// `child` is a primitive where `count` is 1.
+    /// `child` is a primitive.
     packs: Vec<Bvh8Node>,
     n: usize,
     max_abs: f32,
@@ -123,7 +123,7 @@ impl Candidates {
             self.packs.push(Bvh8Node::EMPTY);
         }
         if let Some(pack) = self.packs.last_mut() {
-            pack.set(place, bounds, prim, 1);
+            pack.set(place, bounds, prim);
         }
         self.n += 1;
     }
@@ -189,7 +189,7 @@ impl Kernel for Gather<'_> {
             while met != 0 {
                 let place = met.trailing_zeros() as usize & (WIDTH - 1);
                 met &= met - 1;
-                let (child, count) = (node.child[place], node.count[place]);
+                let child = node.child[place];
                 if child & BVH8_LEAF == 0 {
                     if n == stack.len() {
                         return false;
@@ -198,7 +198,7 @@ impl Kernel for Gather<'_> {
                     n += 1;
                     continue;
                 }
-                let first = child ^ BVH8_LEAF;
+                let (first, count) = leaf_slots(child);
                 for slot in first..first + count {
                     let prim = self.tree.slots[slot as usize];
                     if self.out.n == self.most {

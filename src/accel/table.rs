@@ -6,9 +6,8 @@ pub enum AccelKind {
     /// A BVH on the CPU, but for a single primitive: that of eight children where the processor has AVX2, else that of two. On a GPU what
     /// its table of choices says (`backend/gpu/choice.rs`).
     ///
-    /// `benches/traverse --inside`, one Zen 5 core, Mrays/s primary / shadow / diffuse: kitchen of 1.4 M faces 11.1 / 22.4 / 6.7 against
-    /// 9.6 / 14.0 / 5.0 of the BVH of two and 6.6 / 12.0 / 4.2 of the kd-tree (older run); shells of 311 k 1.02 / 2.9 / 0.63 against
-    /// 0.75 / 1.8 / 0.42.
+    /// One Zen 5 core, Mrays/s primary / shadow / diffuse, an older run: kitchen of 1.4 M faces 11.1 / 22.4 / 6.7 against 9.6 / 14.0 / 5.0 of
+    /// the BVH of two and 6.6 / 12.0 / 4.2 of the kd-tree; shells of 311 k 1.02 / 2.9 / 0.63 against 0.75 / 1.8 / 0.42.
     #[default]
     Auto,
     /// Every primitive for every ray; on a GPU each thread has its own ray and reads from global memory.

@@ -180,6 +180,7 @@ mod tests {
     use crate::compile::{CompileOptions, compile_scene};
     use crate::diag::Sink;
     use crate::math::{DVec3, Rgbft, Transform, Vec3};
+    use crate::savings::Savings;
     use crate::scene::light::AreaLight;
     use crate::scene::shape::Shape;
     use crate::scene::{Light, Object, Scene, Texture};
@@ -233,7 +234,7 @@ mod tests {
             area_illumination: false,
         };
         scene.lights.push(Light { area: Some(area), ..Light::point(DVec3::new(-1.0, 3.0, 1.0), Vec3::splat(0.3)) });
-        let without = CompileOptions { skip: false, ..CompileOptions::default() };
+        let without = CompileOptions { savings: Savings::without_exact(), ..CompileOptions::default() };
         let (a, b) = (render(&scene, &settings(1)), render_with(&scene, &settings(1), &without));
         assert_eq!(a.pixels, b.pixels);
         assert!(a.pixels.iter().any(|p| *p != a.pixels[0]), "there is something to see");

@@ -96,6 +96,15 @@ impl Subject {
     }
 }
 
+impl Subject {
+    /// The one mesh that all were joined into, and rays over it.
+    pub fn mesh_and_rays(&self, options: &AccelBench) -> Result<Option<(Arc<Mesh>, RaySets)>, CompileError> {
+        let [Object { shape: Shape::Mesh(mesh), .. }] = &self.scene.objects[..] else { return Ok(None) };
+        let scene = compiled(&self.scene, AccelKind::Bvh)?;
+        Ok(Some((mesh.clone(), RaySets::new(&scene, options.size.0, options.size.1, options.inside))))
+    }
+}
+
 fn joined_size(scene: &Scene) -> GeometrySize {
     let faces = scene.objects.iter().map(|o| if let Shape::Mesh(m) = &o.shape { m.faces.len() } else { 0 }).sum();
     GeometrySize { faces, others: 0 }
@@ -181,7 +190,7 @@ fn is_brute(kind: AccelKind) -> bool {
 fn total_stats(scene: &CompiledScene) -> AccelStats {
     let mut sum = scene.geometry.tree.stats();
     for m in &scene.geometry.shapes.meshes {
-        let s = m.tree.stats();
+        let s = m.index().tree.stats();
         sum.n_prims += s.n_prims;
         sum.n_nodes += s.n_nodes;
         sum.n_leaves += s.n_leaves;

@@ -3,9 +3,12 @@
 
 use crate::backend::Backend;
 use crate::compare::{CompareOptions, Flip, Picture, Space, compare};
-use crate::compile::CompiledScene;
+use crate::compile::{CompileOptions, compile_scene};
+use crate::cpu_time::process_seconds;
+use crate::diag::Sink;
 use crate::film::Film;
 use crate::integrate::{IntegratorKind, RenderSettings};
+use crate::scene::Scene;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::atomic::AtomicBool;
@@ -37,7 +40,7 @@ pub struct Ours<'a> {
     /// Where.
     pub backend: &'a dyn Backend,
     /// What.
-    pub scene: &'a CompiledScene,
+    pub scene: &'a Scene,
     /// Columns and rows.
     pub size: (u32, u32),
     /// Threads.
@@ -59,21 +62,13 @@ impl Renderer for Ours<'_> {
             ..RenderSettings::plain(width, height)
         };
         let mut film = Film::new(width, height);
-        let (start, before) = (Instant::now(), cpu_seconds());
-        self.backend.render(self.scene, &settings, &mut film, &(), &AtomicBool::new(false)).map_err(|e| e.to_string())?;
-        let (wall, cpu) = (start.elapsed().as_secs_f64(), cpu_seconds() - before);
+        let (start, before) = (Instant::now(), process_seconds());
+        let scene = compile_scene(self.scene, &CompileOptions::default(), &mut Sink::default()).map_err(|e| e.to_string())?;
+        self.backend.render(&scene, &settings, &mut film, &(), &AtomicBool::new(false)).map_err(|e| e.to_string())?;
+        let (wall, cpu) = (start.elapsed().as_secs_f64(), process_seconds() - before);
         let depth = "32-bit float".into();
         Ok(Timed { picture: Picture { width, height, pixels: film.pixels, has_alpha: false, linear: true, depth }, wall, cpu })
     }
-}
-
-/// Seconds that all threads of this program have run (Linux), else NaN.
-fn cpu_seconds() -> f64 {
-    // Fields 14 and 15, in hundredths of a second; the name in field 2 may hold spaces.
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let after = text.rsplit(')').next().unwrap_or_default();
-    let ticks = |k: usize| after.split_whitespace().nth(k).and_then(|n| n.parse::<f64>().ok()).unwrap_or(f64::NAN);
-    (ticks(11) + ticks(12)) / 100.0
 }
 
 /// Another program, through a script of ours for Python that takes SCENE WIDTH HEIGHT SAMPLES SEED THREADS OUT.exr and prints "seconds WALL CPU".
@@ -92,6 +87,8 @@ pub struct Peer {
     pub threads: usize,
     /// Where the picture goes.
     pub out: PathBuf,
+    /// More arguments of the script.
+    pub more: Vec<String>,
 }
 
 impl Renderer for Peer {
@@ -102,7 +99,7 @@ impl Renderer for Peer {
     fn render(&mut self, samples: u32, seed: u32) -> Result<Timed, String> {
         let numbers = [self.size.0, self.size.1, samples, seed, self.threads as u32].map(|n| n.to_string());
         let mut command = Command::new(&self.python);
-        command.arg(&self.script).arg(&self.scene).args(numbers).arg(&self.out);
+        command.arg(&self.script).arg(&self.scene).args(numbers).arg(&self.out).args(&self.more);
         let ended = command.output().map_err(|e| format!("cannot run '{}': {e}", self.python.display()))?;
         let told = String::from_utf8_lossy(&ended.stdout);
         let seconds = told.lines().rev().find_map(|l| l.strip_prefix("seconds ")).and_then(|l| {
@@ -175,6 +172,46 @@ pub fn run(
         }
     }
     Ok(points)
+}
+
+/// Seed of the pictures that make a reference: not one of those that are judged.
+const REFERENCE_SEED: u32 = 1_000_000;
+/// Converged pictures of one scene differ by less: ANCHORS' gate.
+pub const AGREEMENT: f64 = 1e-4;
+
+/// A reference that favours nobody: the mean of every renderer's picture with `samples` a pixel. With it, by renderer, how far (relMSE) its own
+/// is from the mean of the others.
+///
+/// # Errors
+/// As [`run`].
+pub fn common_reference(renderers: &mut [&mut dyn Renderer], samples: u32) -> Result<(Picture, Vec<f64>), String> {
+    let mut pictures = Vec::new();
+    for r in renderers.iter_mut() {
+        pictures.push(r.render(samples, REFERENCE_SEED)?.picture);
+    }
+    let mean_of = |list: &[&Picture]| {
+        let mut sum = list[0].clone();
+        for (k, v) in sum.pixels.iter_mut().enumerate() {
+            for c in 0..4 {
+                v[c] = list.iter().map(|p| p.pixels[k][c]).sum::<f32>() / list.len() as f32;
+            }
+        }
+        sum
+    };
+    if pictures.iter().any(|p| (p.width, p.height) != (pictures[0].width, pictures[0].height)) {
+        return Err("the renderers gave pictures of different sizes".into());
+    }
+    let all: Vec<&Picture> = pictures.iter().collect();
+    let options = CompareOptions { space: Space::Linear, ..CompareOptions::default() };
+    let apart = |k: usize| {
+        let others: Vec<&Picture> = all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, p)| *p).collect();
+        if others.is_empty() {
+            return f64::NAN;
+        }
+        compare(clamped(all[k].clone()), clamped(mean_of(&others)), &options).map_or(f64::NAN, |m| m.rel_mse)
+    };
+    let apart = (0..all.len()).map(apart).collect();
+    Ok((mean_of(&all), apart))
 }
 
 /// Fireflies are not what is measured: values above 1 count as 1.

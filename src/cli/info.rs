@@ -2,12 +2,17 @@
 
 use super::console::{print_error, style};
 use clap::Args;
-use rayloom::compile::geometry::PrimKind;
-use rayloom::compile::{CompileOptions, CompiledScene, FeatureSet};
+use rayloom::bench::skip::{kinds, why_not};
+use rayloom::compile::{CompileOptions, FeatureSet};
 use rayloom::diag::{Severity, Sink, SourceMap, render};
-use rayloom::job::{JobError, all_cores, load_scene};
+use rayloom::integrate::{Antialias, RenderSettings};
+use rayloom::job::{JobError, SceneFormat, all_cores, load_scene};
+use rayloom::savings::{Pixels, SAVINGS};
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+/// `rayloom render`'s own.
+const ANTIALIAS: Antialias = Antialias { method: 2, threshold: 0.3, depth: 3, jitter: 0.0, gamma: 2.5 };
 
 /// Arguments of `rayloom info`.
 #[derive(Debug, Args)]
@@ -69,13 +74,16 @@ fn scene(args: &InfoArgs) -> Result<(), JobError> {
         return Ok(());
     }
     let animations = loaded.as_ref().map_or_else(|_| Vec::new(), |s| s.animations.clone());
-    let compiled = loaded.and_then(|s| Ok(rayloom::compile::compile_scene(&s, &CompileOptions::default(), &mut sink)?));
+    let compiled = loaded.and_then(|s| Ok((rayloom::compile::compile_scene(&s, &CompileOptions::default(), &mut sink)?, s.unread)));
     for d in sink.drain().iter().filter(|d| !args.json || d.severity == Severity::Error) {
         eprint!("{}", render(d, &map, style()));
     }
-    let c = compiled?;
+    let (c, unread) = compiled?;
     let (used, unused) = features(&c.features);
-    let kinds = kinds(&c);
+    let kinds: Vec<(String, usize)> = kinds(&c).into_iter().map(|(k, n)| (format!("{k:?}"), n)).collect();
+    // As `rayloom render` takes it without options.
+    let render = RenderSettings { antialias: Some(ANTIALIAS), ..RenderSettings::plain(800, 600) };
+    let savings = SAVINGS.map(|s| (s, why_not(s.saving, &c, &unread, SceneFormat::of(&path), &render)));
     let tree = c.geometry.tree.stats();
     if args.json {
         let animations: Vec<_> =
@@ -84,6 +92,8 @@ fn scene(args: &InfoArgs) -> Result<(), JobError> {
             "scene": path, "primitives": kinds.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(), "lights": c.lights.len(),
             "uses": used, "left_out": unused, "patterns": c.features.patterns, "tree": c.geometry.tree.kind().name(), "tree_bytes": tree.n_bytes,
             "animations": animations,
+            "savings": savings.iter().map(|(s, why)| serde_json::json!({"name": s.name, "what": s.what, "same_pixels": s.pixels != Pixels::Different, "does_not_apply": why})).collect::<Vec<_>>(),
+            "pictures_not_decoded": unread.pictures[0],
         });
         println!("{value:#}");
         return Ok(());
@@ -99,19 +109,11 @@ fn scene(args: &InfoArgs) -> Result<(), JobError> {
     for a in &animations {
         println!("  animation:  '{}', {:.3} to {:.3} s, moves {} properties of nodes", a.name, a.seconds[0], a.seconds[1], a.n_channels);
     }
-    Ok(())
-}
-
-/// Kinds of primitives with their numbers.
-fn kinds(c: &CompiledScene) -> Vec<(String, usize)> {
-    let mut counts: Vec<(PrimKind, usize)> = Vec::new();
-    for p in &c.geometry.prims {
-        match counts.iter_mut().find(|(k, _)| *k == p.kind) {
-            Some((_, n)) => *n += 1,
-            None => counts.push((p.kind, 1)),
-        }
+    println!("  savings, each with a switch (--no-skip=NAME) and a measurement (rayloom bench skip):");
+    for (s, why) in &savings {
+        println!("    {:<10}  {}{}", s.name, s.what, why.as_ref().map_or(String::new(), |why| format!(" (not here: {why})")));
     }
-    counts.into_iter().map(|(k, n)| (format!("{k:?}"), n)).collect()
+    Ok(())
 }
 
 /// Names of what a scene uses and of what was left out.

@@ -3,6 +3,7 @@
 use super::console::{Streams, print_error, style};
 use super::interrupt::Interrupt;
 use clap::Args;
+use rayloom::compile::shape::TreeStore;
 use rayloom::diag::{Diagnostic, Severity, SourceMap, Style, render};
 use rayloom::job::{Job, JobError, Listener, Outcome, Stage, job_for_frame};
 use rayloom::lang::Stream;
@@ -10,8 +11,8 @@ use rayloom::lang::options::{Environment, Frame, PovOptions, StreamKind, frames}
 use rayloom::world::DiskWorld;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Mutex;
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Arguments of `rayloom povray`.
@@ -92,6 +93,7 @@ fn animate(options: &PovOptions, input: &Path) -> ExitCode {
         print_error("no frame lies between the first and the last that are asked for");
         return ExitCode::from(1);
     }
+    let trees = (all.len() > 1).then(Arc::<TreeStore>::default);
     for (k, frame) in all.iter().enumerate() {
         let streams = match Streams::open(options, &options.output_folder(input), k > 0) {
             Ok(s) => s,
@@ -109,7 +111,10 @@ fn animate(options: &PovOptions, input: &Path) -> ExitCode {
             streams.write(StreamKind::Render, &format!("Rendering frame {} of {} (#{})\n", k + 1, all.len(), frame.number));
         }
         let listener = PovListener { streams, options, style: style(), last: Mutex::new(None), interrupt: interrupt.clone() };
-        let result = job_for_frame(options, input, frame).and_then(|job| picture(&job, frame, &listener));
+        let result = job_for_frame(options, input, frame).and_then(|mut job| {
+            job.compile.trees = trees.clone();
+            picture(&job, frame, &listener)
+        });
         interrupt.rendering.store(false, Ordering::SeqCst);
         match result {
             Ok(()) => {}

@@ -8,14 +8,17 @@ use super::progress::{ProgressKind, ProgressView};
 use super::render_listener::RenderListener;
 use clap::{Args, ValueEnum};
 use rayloom::accel::AccelKind;
+use rayloom::compile::shape::TreeStore;
 use rayloom::film::{FileFormat, FileGamma};
 use rayloom::integrate::{Antialias, IntegratorKind, NoiseLimit};
 use rayloom::job::{Job, JobError, Moment, Outcome, SceneFormat, Target, include_folders, job_for_frame};
-use rayloom::lang::options::{Environment, PovOptions, frames};
+use rayloom::lang::options::{Environment, Frame, PovOptions, frames};
+use rayloom::savings::{Saving, Savings};
 use rayloom::scene::{Pass, PassSet};
 use rayloom::world::DiskWorld;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
@@ -136,9 +139,10 @@ pub struct RenderArgs {
     /// Write times and counts as JSON
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
-    /// Do all the work, also what the scene does not need; the pixels are the same
-    #[arg(long)]
-    no_skip: bool,
+    /// Do all the work, also what the scene does not need; the pixels are the same. With a list, do what these savings leave out:
+    /// `rayloom info SCENE` names them
+    #[arg(long, value_name = "LIST", num_args = 0..=1, require_equals = true, default_missing_value = "all", value_parser = Savings::parse_without)]
+    no_skip: Option<Savings>,
     /// Go on where an interrupted run of the same command ended
     #[arg(long)]
     resume: bool,
@@ -303,7 +307,7 @@ fn report(args: &RenderArgs, job: &Job, o: &Outcome, view: &ProgressView) -> Res
 }
 
 /// The jobs of all frames.
-fn jobs(args: &RenderArgs) -> Result<Vec<Job>, JobError> {
+pub(super) fn jobs(args: &RenderArgs) -> Result<Vec<Job>, JobError> {
     let is_ini = args.scene.to_ascii_lowercase().split('[').next().is_some_and(|f| f.ends_with(".ini"));
     let env = Environment::default();
     let usage = |e: &dyn std::fmt::Display| JobError::Options(e.to_string());
@@ -344,7 +348,13 @@ fn jobs(args: &RenderArgs) -> Result<Vec<Job>, JobError> {
         return Err(JobError::Options(format!("'{}' names no scene (Input_File_Name)", args.scene)));
     };
     let all = frames(&o).map_err(|e| usage(&e))?;
-    all.iter().map(|frame| finish(args, &o, job_for_frame(&o, &input, frame)?, &input, frame.digits, frame.number)).collect()
+    let trees = (all.len() > 1 && args.no_skip.unwrap_or_default().has(Saving::Frames)).then(Arc::<TreeStore>::default);
+    let job = |frame: &Frame| {
+        let mut job = finish(args, &o, job_for_frame(&o, &input, frame)?, &input, frame.digits, frame.number)?;
+        job.compile.trees = trees.clone();
+        Ok(job)
+    };
+    all.iter().map(job).collect()
 }
 
 /// What `render` says beyond POV-Ray's options.
@@ -407,7 +417,7 @@ fn finish(args: &RenderArgs, o: &PovOptions, mut job: Job, input: &Path, digits:
         r.antialias = None::<Antialias>;
     }
     job.gpu = args.device.clone().unwrap_or_default();
-    job.compile.skip = !args.no_skip;
+    job.compile.savings = args.no_skip.unwrap_or_default();
     job.passes = args.passes;
     let limit = |threshold| (threshold > 0.0).then_some(NoiseLimit { threshold, min_samples: args.min_spp.unwrap_or(0) });
     job.noise = args.noise_threshold.map(limit);

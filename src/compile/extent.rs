@@ -21,7 +21,7 @@ pub fn pov_extent(object: &Object) -> Bounds {
 
 /// The same in an outer space.
 pub(super) fn pov_extent_in(object: &Object, outer: &Transform) -> Bounds {
-    let b = extent(object, &mut LeafTables::new(AccelKind::Brute)).transformed(outer);
+    let b = extent(object, &mut LeafTables::new(AccelKind::Brute, None)).transformed(outer);
     if b.is_empty() {
         return Bounds { min: DVec3::ZERO, max: DVec3::ZERO };
     }

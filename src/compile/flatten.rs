@@ -10,7 +10,7 @@ use super::motion::Motion;
 use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
 use super::tables::{SurfaceTable, TransformTable};
 use super::texture::TextureBuilder;
-use super::{CompileError, CompiledLight, Interior, LightBeam, LightGroup, Media, NONE};
+use super::{CompileError, CompileOptions, CompiledLight, Interior, LightBeam, LightGroup, Media, NONE};
 use crate::accel::{Accel, AccelKind, AccelOptions, PrimSet};
 use crate::math::{Bounds, DVec3, Rgbft, Transform};
 use crate::memory::MemoryLimit;
@@ -33,7 +33,7 @@ const NODE_COST: usize = 512;
 const TREE_COST: usize = 256;
 
 /// Primitives of a scene cost several times what triangles do.
-const SCENE_TREE: AccelOptions = AccelOptions { intersect_cost: 4.0, max_leaf: 1, max_refs_per_prim: 8.0 };
+const SCENE_TREE: AccelOptions = AccelOptions { intersect_cost: 4.0, max_leaf: 1, pack: 1, max_refs_per_prim: 8.0 };
 
 /// The bounded primitives as a tree sees them.
 struct BoundedPrims<'a> {
@@ -140,7 +140,7 @@ pub(super) struct Flattener {
 
 impl Flattener {
     /// Nothing yet; `n_top_level` objects will follow.
-    pub fn new(textures: TextureBuilder, n_top_level: usize, accel: AccelKind, memory: MemoryLimit) -> Self {
+    pub fn new(textures: TextureBuilder, n_top_level: usize, options: &CompileOptions) -> Self {
         Self {
             geometry: Geometry::default(),
             interiors: Vec::new(),
@@ -149,14 +149,14 @@ impl Flattener {
             light_groups: Vec::new(),
             textures,
             transforms: TransformTable::new(),
-            leaves: LeafTables::new(accel),
+            leaves: LeafTables::new(options.accel, options.trees.clone()),
             surfaces: SurfaceTable::default(),
             nodes: Vec::new(),
             pending_lights: Vec::new(),
             default_texture: Arc::new(Texture::solid(Rgbft::BLACK)),
             n_top_level,
-            accel,
-            memory,
+            accel: options.accel,
+            memory: options.memory,
             charged: 0,
         }
     }

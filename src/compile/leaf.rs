@@ -8,7 +8,7 @@ use super::shape::simple::frame_along;
 use super::shape::{
     BlobShape, BoxShape, ConeShape, CylinderShape, DiscShape, GlyphShape, HairShape, HeightFieldShape, IsosurfaceShape, JuliaShape,
     LatheShape, MeshShape, OvusShape, ParametricShape, PlaneShape, PolyShape, PolygonShape, PrismShape, QuadricShape, Shapes, SorShape,
-    SphereShape, SphereSweepShape, SuperellipsoidShape, TorusShape, TriangleShape,
+    SphereShape, SphereSweepShape, SuperellipsoidShape, TorusShape, TreeStore, TriangleShape,
 };
 use super::tables::TransformTable;
 use super::texture::TextureBuilder;
@@ -48,12 +48,13 @@ pub(super) struct LeafTables {
     /// Meshes by address: instances share one. The mesh keeps the address taken.
     meshes: HashMap<*const Mesh, u32>,
     accel: AccelKind,
+    trees: Option<Arc<TreeStore>>,
 }
 
 impl LeafTables {
-    /// Empty; meshes get trees of kind `accel`.
-    pub fn new(accel: AccelKind) -> Self {
-        Self { shapes: Shapes::default(), meshes: HashMap::new(), accel }
+    /// Empty; meshes get trees of kind `accel`, from `trees` where they are.
+    pub fn new(accel: AccelKind, trees: Option<Arc<TreeStore>>) -> Self {
+        Self { shapes: Shapes::default(), meshes: HashMap::new(), accel, trees }
     }
 
     /// The table entry of a mesh; `None` when it has no faces.
@@ -62,7 +63,12 @@ impl LeafTables {
             return Some(*ix);
         }
         let covers = mesh.textures.iter().map(|t| textures.texture(t)).collect();
-        let ix = push(&mut self.shapes.meshes, MeshShape::new(mesh.clone(), covers, self.accel)?);
+        let shape = MeshShape::new(mesh.clone(), covers, self.accel)?;
+        let shape = match &self.trees {
+            Some(store) => store.adopt(shape),
+            None => shape,
+        };
+        let ix = push(&mut self.shapes.meshes, shape);
         self.meshes.insert(Arc::as_ptr(mesh), ix);
         Some(ix)
     }

@@ -20,10 +20,13 @@ use crate::accel::AccelKind;
 use crate::diag::Sink;
 use crate::math::{DVec3, Rgb, Rgbft, Transform};
 use crate::memory::{MemoryLimit, OutOfMemory};
+use crate::savings::{Saving, Savings};
 use crate::scene::light::LightKind;
 use crate::scene::{Camera, Fog, Light, Rainbow, Scene, Settings};
 use flatten::Flattener;
 use geometry::Geometry;
+use shape::TreeStore;
+use std::sync::Arc;
 use texture::{FunctionIx, NormalIx, PigmentIx, TextureBuilder, TextureTables};
 
 /// "No index" in every table.
@@ -34,18 +37,19 @@ pub const NONE: u32 = u32::MAX;
 pub struct CompileOptions {
     /// POV-Ray's quality, 0..=9.
     pub quality: u8,
-    /// Leave out what the scene does not need; `false` must give the same pixels. The CPU then traces a shadow ray to lights behind the
-    /// surface too, tries no remembered blocker first, and asks every solid whether a ray starts in it.
-    pub skip: bool,
+    /// What to leave out.
+    pub savings: Savings,
     /// Kind of tree over primitives and triangles.
     pub accel: AccelKind,
     /// Memory that the process may use.
     pub memory: MemoryLimit,
+    /// Trees of the frame before, where the scene is one of several.
+    pub trees: Option<Arc<TreeStore>>,
 }
 
 impl Default for CompileOptions {
     fn default() -> Self {
-        Self { quality: 9, skip: true, accel: AccelKind::Auto, memory: MemoryLimit::default() }
+        Self { quality: 9, savings: Savings::ALL, accel: AccelKind::Auto, memory: MemoryLimit::default(), trees: None }
     }
 }
 
@@ -239,7 +243,7 @@ pub enum CompileError {
 /// Compiles one object that is asked about before its scene is complete: a scene of that object alone, hidden and without covers,
 /// as object 0.
 pub fn compile_object(object: &crate::scene::Object, settings: &Settings) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, MemoryLimit::default());
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, &CompileOptions::default());
     flattener.add_hidden(object)?;
     finish(flattener, &Scene::default(), &CompileOptions::default())
 }
@@ -249,7 +253,7 @@ pub fn compile_function(
     function: &std::sync::Arc<crate::scene::Function>,
     settings: &Settings,
 ) -> Result<(CompiledScene, FunctionIx), CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, MemoryLimit::default());
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, &CompileOptions::default());
     let ix = flattener.textures.function(function);
     let scene = Scene { settings: settings.clone(), ..Scene::default() };
     Ok((finish(flattener, &scene, &CompileOptions::default())?, ix))
@@ -260,7 +264,7 @@ pub fn compile_pigment(
     pigment: &std::sync::Arc<crate::scene::Pigment>,
     settings: &Settings,
 ) -> Result<(CompiledScene, PigmentIx), CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, AccelKind::Auto, MemoryLimit::default());
+    let mut flattener = Flattener::new(TextureBuilder::new(settings), usize::MAX, &CompileOptions::default());
     let ix = flattener.textures.pigment(pigment);
     let scene = Scene { settings: settings.clone(), ..Scene::default() };
     Ok((finish(flattener, &scene, &CompileOptions::default())?, ix))
@@ -268,14 +272,23 @@ pub fn compile_pigment(
 
 /// Compiles a scene. What cannot be rendered yet is left out with a note in `sink`, once a kind.
 pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(&scene.settings), scene.objects.len(), options.accel, options.memory);
+    let mut flattener = Flattener::new(TextureBuilder::new(&scene.settings), scene.objects.len(), options);
     for light in &scene.lights {
         flattener.add_light(light)?;
     }
     for object in &scene.objects {
         flattener.add_visible(object)?;
     }
-    let compiled = finish(flattener, scene, options)?;
+    let mut compiled = finish(flattener, scene, options)?;
+    if let Some(store) = &options.trees {
+        store.end_frame();
+    }
+    if !options.savings.has(Saving::Trees) {
+        compiled.geometry.shapes.meshes.iter().for_each(|m| _ = m.index());
+    }
+    if !options.savings.has(Saving::Bailout) {
+        compiled.settings.adc_bailout = 0.0;
+    }
     // Each has its line in UNSUPPORTED.md.
     let left_out = [
         ("photons", compiled.features.photons, "photons are not traced: caustics that they would make are missing"),

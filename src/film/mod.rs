@@ -27,7 +27,7 @@ pub use merge::merge;
 pub use write::{DENOISED, Metadata, check_writable, encode_picture, write_picture};
 
 /// A picture being made: linear working-space colour and transparency, `[height][width]`, row-major, top row first.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Film {
     /// Columns.
     pub width: u32,

@@ -15,6 +15,7 @@ pub use error::ImportError;
 use crate::diag::Sink;
 use crate::math::Vec3;
 use crate::memory::MemoryLimit;
+use crate::savings::Savings;
 use crate::scene::{Principled, Scene};
 use std::path::Path;
 
@@ -34,11 +35,21 @@ pub struct ImportOptions {
     pub animation: Option<String>,
     /// What the scene's objects may take.
     pub memory: MemoryLimit,
+    /// What to leave out.
+    pub savings: Savings,
 }
 
 impl Default for ImportOptions {
     fn default() -> Self {
-        Self { aspect: 4.0 / 3.0, lumens_per_watt: None, time: None, fps: 24.0, animation: None, memory: MemoryLimit::of_machine() }
+        Self {
+            aspect: 4.0 / 3.0,
+            lumens_per_watt: None,
+            time: None,
+            fps: 24.0,
+            animation: None,
+            memory: MemoryLimit::of_machine(),
+            savings: Savings::ALL,
+        }
     }
 }
 

@@ -61,13 +61,21 @@ impl SceneFormat {
 }
 
 /// Reads the job's scene; findings are in the sink, also after an error.
-pub(super) fn load(job: &Job, map: &mut SourceMap, sink: &mut Sink, listener: &dyn Listener) -> Result<Scene, JobError> {
+pub fn load(job: &Job, map: &mut SourceMap, sink: &mut Sink, listener: &dyn Listener) -> Result<Scene, JobError> {
     let source = &job.source;
     match source.format {
         SceneFormat::Model => {
             let aspect = f64::from(job.render.width) / f64::from(job.render.height);
             let Moment { time, fps, animation } = source.moment.clone();
-            let options = ImportOptions { aspect, time, fps, animation, memory: source.lang.memory, ..ImportOptions::default() };
+            let options = ImportOptions {
+                aspect,
+                time,
+                fps,
+                animation,
+                memory: source.lang.memory,
+                savings: job.compile.savings,
+                ..ImportOptions::default()
+            };
             Ok(crate::import::load(&source.path, &options, sink)?)
         }
         SceneFormat::Pov => parse(source, map, sink, &mut |stream, t| listener.text(stream, t)),

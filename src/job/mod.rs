@@ -12,12 +12,13 @@ mod timed;
 mod write;
 
 pub use backend::BackendChoice;
-pub use load::{Moment, SceneFormat, Source, include_folders, load_scene};
+pub use load::{Moment, SceneFormat, Source, include_folders, load as load_job, load_scene};
 pub use pov::{all_cores, check_size, job_for_frame};
 pub use write::Target;
 
 use crate::backend::{BackendError, Progress};
 use crate::compile::{CompileError, CompileOptions};
+use crate::cpu_time;
 use crate::denoise::DenoiseError;
 use crate::diag::{Diagnostic, Sink, SourceMap};
 use crate::film::{CatcherView, Film, FilmError};
@@ -105,6 +106,10 @@ pub struct Outcome {
     pub device: String,
     /// Wall clock seconds of loading, compiling, rendering, writing.
     pub seconds: [f64; 4],
+    /// The same of all processor cores together; NaN where they cannot be told.
+    pub cpu_seconds: [f64; 4],
+    /// What was rendered.
+    pub film: Film,
     /// Where the picture is.
     pub written: Option<PathBuf>,
     /// Objects, primitives and lights of the scene.
@@ -188,10 +193,12 @@ fn tell(sink: &mut Sink, map: &SourceMap, listener: &dyn Listener) {
 pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Outcome, JobError> {
     let (mut map, mut sink) = (SourceMap::default(), Sink::default());
     let mut outcome = Outcome::default();
-    let mut clock = Instant::now();
-    let mut lap = |slot: &mut f64| {
-        *slot = clock.elapsed().as_secs_f64();
-        clock = Instant::now();
+    let mut clock = (Instant::now(), cpu_time::process_seconds());
+    let mut lap = |outcome: &mut Outcome, stage: usize| {
+        let now = (Instant::now(), cpu_time::process_seconds());
+        outcome.seconds[stage] = (now.0 - clock.0).as_secs_f64();
+        outcome.cpu_seconds[stage] = now.1 - clock.1;
+        clock = now;
     };
     if let Some(target) = &job.target {
         target.check()?;
@@ -207,7 +214,7 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     let loaded = load::load(job, &mut map, &mut sink, listener);
     tell(&mut sink, &map, listener);
     let scene = loaded?;
-    lap(&mut outcome.seconds[0]);
+    lap(&mut outcome, 0);
 
     listener.stage(&Stage::Compiling);
     let compiled = crate::compile::compile_scene(&scene, &job.compile, &mut sink);
@@ -229,7 +236,7 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     let job = &job;
     outcome.counts = [scene.objects.len(), compiled.geometry.prims.len(), compiled.lights.len()];
     drop(scene);
-    lap(&mut outcome.seconds[1]);
+    lap(&mut outcome, 1);
 
     let fingerprint = resume::fingerprint(job, &map);
     let mut film = resume::film(job, &fingerprint, &mut sink);
@@ -237,7 +244,7 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     let result = backend::render(job, &compiled, &mut film, &mut outcome.device, &mut sink, &map, listener, cancel);
     let spent = start.elapsed();
     tell(&mut sink, &map, listener);
-    lap(&mut outcome.seconds[2]);
+    lap(&mut outcome, 2);
     let stopped = cancel.load(Ordering::Relaxed);
     if stopped || result.is_err() {
         let saved = match &job.target {
@@ -272,7 +279,7 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
                 return Err(error.into());
             }
         }
-        lap(&mut outcome.seconds[3]);
+        lap(&mut outcome, 3);
     }
     listener.finished(&film);
     denoise::drop_guides(job, &mut film);
@@ -284,7 +291,8 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
             let _ = std::fs::remove_file(path);
         }
     }
-    lap(&mut outcome.seconds[3]);
+    lap(&mut outcome, 3);
+    outcome.film = film;
     Ok(outcome)
 }
 

@@ -88,7 +88,7 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
             time_limit: None,
             features_only: false,
         },
-        compile: CompileOptions { quality: o.quality, skip: true, accel: accel_named(&o.accel), memory },
+        compile: CompileOptions { quality: o.quality, accel: accel_named(&o.accel), memory, ..CompileOptions::default() },
         gpu: String::new(),
         backend: match o.backend.as_str() {
             "cpu" => BackendChoice::Cpu,

@@ -4,6 +4,7 @@ use super::{Job, JobError};
 use crate::diag::Sink;
 use crate::film::FileFormat;
 use crate::integrate::{IntegratorKind, NoiseLimit};
+use crate::savings::Saving;
 use crate::scene::{PassSet, Scene};
 
 /// Whether the job's picture can have passes: why not, if not.
@@ -46,5 +47,10 @@ pub(super) fn settled(job: &Job, scene: &Scene, sink: &mut Sink) -> Job {
     let threshold = asked.adaptive_threshold;
     let own = (threshold > 0.0).then_some(NoiseLimit { threshold, min_samples: asked.adaptive_min_samples });
     job.render.noise = job.noise.unwrap_or(own).filter(|_| is_path);
+    if !job.compile.savings.has(Saving::Antialias) {
+        // Every pixel differs by nothing at least.
+        job.render.antialias.iter_mut().for_each(|a| a.threshold = 0.0);
+        job.render.noise = None;
+    }
     job
 }

@@ -4,6 +4,7 @@ use super::intersect::inside_shape;
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{InsideProgram, InsideStep, prim_flags};
 use crate::math::{Bounds, DVec3, Ray};
+use crate::savings::Saving;
 
 /// Whether world point `p` is inside primitive `prim_ix`, its inversion applied, its clip program not.
 #[inline]
@@ -86,7 +87,7 @@ pub fn containing_interiors(scene: &CompiledScene, p: DVec3, mut f: impl FnMut(u
             f(g.objects[*k as usize].interior_ix);
         }
     };
-    if !scene.options.skip {
+    if !scene.options.savings.has(Saving::Interiors) {
         return g.solids.iter().for_each(look);
     }
     // A ray without length meets the boxes that its start is in.

@@ -60,6 +60,7 @@ pub trait Simd: Copy {
     fn mul(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
     fn min(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
     fn max(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
+    fn div(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
     fn lt(self, a: Self::F64x4, b: Self::F64x4) -> u32;
 }
 
@@ -150,6 +151,10 @@ impl Simd for Portable {
         zip(a, b, |a, b| if a > b { a } else { b })
     }
     #[inline(always)]
+    fn div(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        zip(a, b, |a, b| a / b)
+    }
+    #[inline(always)]
     fn lt(self, a: [f64; 4], b: [f64; 4]) -> u32 {
         bits(a, b, |a, b| a < b)
     }
@@ -205,6 +210,7 @@ mod avx2 {
             mul(a: __m256d, b: __m256d) -> __m256d { _mm256_mul_pd(a, b) }
             min(a: __m256d, b: __m256d) -> __m256d { _mm256_min_pd(a, b) }
             max(a: __m256d, b: __m256d) -> __m256d { _mm256_max_pd(a, b) }
+            div(a: __m256d, b: __m256d) -> __m256d { _mm256_div_pd(a, b) }
             lt(a: __m256d, b: __m256d) -> u32 { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) as u32 }
         }
     }
@@ -233,7 +239,7 @@ mod tests {
             let half = |v: [f32; 8]| s.widen(&[v[0], v[1], v[2], v[3]]);
             let (a, b) = (half(self.0), half(self.1));
             out.push(s.lt(a, b).into());
-            for v in [s.add(a, b), s.sub(a, b), s.mul(a, b), s.splat(self.0[3].into())] {
+            for v in [s.add(a, b), s.sub(a, b), s.mul(a, b), s.div(a, b), s.splat(self.0[3].into())] {
                 out.extend(s.array(v).map(|v| if v.is_nan() { 1 } else { v.to_bits() }));
             }
             for v in [s.min(a, b), s.max(a, b)] {

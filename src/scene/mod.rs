@@ -82,6 +82,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Animations that the file has (imports), whether one was asked for or not.
     pub animations: Vec<AnimationInfo>,
+    /// What its reader left out, for information.
+    pub unread: Unread,
 }
 
 /// What a file says of one of its animations.
@@ -93,6 +95,13 @@ pub struct AnimationInfo {
     pub seconds: [f64; 2],
     /// What it moves: properties of nodes.
     pub n_channels: usize,
+}
+
+/// What the reader of a scene file had no need of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Unread {
+    /// Pictures that were not decoded, and all that the file has.
+    pub pictures: [usize; 2],
 }
 
 impl Default for Scene {
@@ -109,6 +118,7 @@ impl Default for Scene {
             lights: Vec::new(),
             objects: Vec::new(),
             animations: Vec::new(),
+            unread: Unread::default(),
         }
     }
 }

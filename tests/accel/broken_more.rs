@@ -1,7 +1,7 @@
 //! As `broken`, for skip links, nodes of eight and grids.
 
 use crate::broken::faults_of;
-use rayloom::accel::{Accel, AccelKind, BVH8_LEAF, Bvh8, BvhSkip, GRID_INNER, Grid, WideBvh};
+use rayloom::accel::{Accel, AccelKind, BVH8_LEAF, Bvh8, BvhSkip, GRID_INNER, Grid, WideBvh, leaf_slots};
 
 fn skip_faults(damage: impl FnOnce(&mut BvhSkip)) -> bool {
     faults_of(AccelKind::BvhSkip, |t| {
@@ -74,8 +74,10 @@ fn damage_to_nodes_of_eight_is_caught() {
         *child += 1;
     }));
     assert!(bvh8_faults(|t| {
-        let n = t.nodes.iter_mut().flat_map(|n| &mut n.count).find(|n| **n > 1).expect("a leaf of several");
-        *n -= 1;
+        // The lowest bits hold the number of primitives less one.
+        let several = |c: &u32| *c & BVH8_LEAF != 0 && leaf_slots(*c).1 > 1;
+        let leaf = t.nodes.iter_mut().flat_map(|n| &mut n.child).find(|c| several(c)).expect("a leaf of several");
+        *leaf -= 1;
     }));
 }
 

@@ -348,3 +348,32 @@ fn instances_without_bytes_behind_them_do_not_take_all_memory() {
     let error = load(&f.path("a.glb"), &options, &mut Sink::default()).expect_err("16 million objects").to_string();
     assert!(error.contains("out of memory"), "{error}");
 }
+
+#[test]
+fn pictures_that_nothing_shows_are_not_decoded() {
+    use rayloom::import::{ImportOptions, load};
+    use rayloom::savings::{Saving, Savings};
+    let picture = png(1, 1, |_, _| [9, 9, 9, 255]);
+    let mut d = Data::default();
+    let p = d.floats("VEC3", 3, &SQUARE);
+    let shown = d.add(&picture, 5121, "SCALAR", picture.len(), "");
+    let broken = d.add(b"no picture at all", 5121, "SCALAR", 17, "");
+    // The second is for occlusion alone, the third belongs to a material that nothing wears.
+    let rest = format!(
+        r#","meshes":[{{"primitives":[{{"attributes":{{"POSITION":{p}}},"mode":6,"material":0}}]}}],"nodes":[{{"mesh":0}}],
+        "images":[{{"bufferView":{shown},"mimeType":"image/png"}},{{"bufferView":{broken},"mimeType":"image/png"}},{{"bufferView":{broken},"mimeType":"image/png"}}],
+        "textures":[{{"source":0}},{{"source":1}},{{"source":2}}],
+        "materials":[{{"emissiveTexture":{{"index":0}},"occlusionTexture":{{"index":1}}}},{{"normalTexture":{{"index":2}}}}]"#
+    );
+    let f = Folder::new().with("a.glb", d.glb(&rest));
+    let read = |savings: Savings| {
+        let mut sink = rayloom::diag::Sink::default();
+        let scene = load(&f.path("a.glb"), &ImportOptions { savings, ..ImportOptions::default() }, &mut sink).expect("loads");
+        (scene, sink.items().iter().filter(|d| d.message.contains("is left out")).count())
+    };
+    let (scene, n_notes) = read(Savings::ALL);
+    assert_eq!((scene.unread.pictures, n_notes), ([2, 3], 0));
+    assert!(material(&scene, 0).emission_texture.is_some());
+    let (scene, n_notes) = read(Savings::ALL.without(Saving::Textures));
+    assert_eq!((scene.unread.pictures, n_notes), ([0, 3], 2));
+}

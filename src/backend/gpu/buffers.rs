@@ -17,6 +17,7 @@ use crate::kernel::inside::containing_interiors;
 use crate::kernel::light::SUN_DISTANCE;
 use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE};
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Vec3};
+use crate::savings::Saving;
 use crate::scene::light::{Fade, LightKind};
 
 /// Everything of a scene, encoded.
@@ -74,6 +75,9 @@ pub(super) fn outward(b: &Bounds) -> ([f32; 3], [f32; 3]) {
     let (low, high) = (limit(b.min), limit(b.max));
     ((low - pad(low)).to_array(), (high + pad(high)).to_array())
 }
+
+/// Features that a shader may hold for scenes that do not use them.
+const SPARE: [&str; 8] = ["reflection", "highlights", "irid", "normals", "uv", "solid_mesh", "cutaway", "bounded_by"];
 
 impl SceneBuffers {
     /// Encodes `scene`, with structures of kind `kind`, for a picture that `plan` was made for.
@@ -172,8 +176,9 @@ impl SceneBuffers {
     ) -> Result<ShaderOptions, BackendError> {
         let (g, f) = (&scene.geometry, &scene.features);
         let mut o = self.textures.shader.clone();
+        let all = !scene.options.savings.has(Saving::Shaders);
         for (kind, name) in KINDS {
-            o.feature_if(name, f.prim_kinds & (1 << *kind as u32) != 0);
+            o.feature_if(name, all || f.prim_kinds & (1 << *kind as u32) != 0);
         }
         let face_covers = g.shapes.meshes.iter().any(|m| !m.mesh.face_textures.is_empty());
         let cutaway = g.objects.iter().map(|o| o.cutaway.len()).max().unwrap_or(0) as u32;
@@ -197,7 +202,7 @@ impl SceneBuffers {
             ("principled", f.principled),
             ("image_words", !self.textures.image_words.is_empty()),
         ];
-        features.iter().for_each(|(name, holds)| o.feature_if(name, *holds));
+        features.iter().for_each(|(name, holds)| o.feature_if(name, *holds || all && SPARE.contains(name)));
         let covers = cutaway.max(if face_covers { 3 } else { 1 });
         let fan = self.textures.textures.iter().enumerate().filter(|(_, at)| **at != 0).map(|(ix, _)| fan_out(scene, ix as u32));
         let fan = fan.fold(FanOut::default(), |a, b| FanOut {

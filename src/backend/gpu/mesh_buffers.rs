@@ -9,6 +9,7 @@ use crate::backend::BackendError;
 use crate::compile::shape::MeshShape;
 use crate::compile::{CompiledScene, NONE};
 use crate::math::{Bounds, DVec3, Vec3};
+use crate::savings::Saving;
 
 /// All meshes of a scene.
 #[derive(Default)]
@@ -53,10 +54,10 @@ pub(super) fn encode_meshes(
 ) -> Result<MeshWords, BackendError> {
     let g = &scene.geometry;
     let mut out = MeshWords { per_element: words_per_element(kind), ..MeshWords::default() };
-    let with_uv = scene.features.uv;
+    let with_uv = scene.features.uv || !scene.options.savings.has(Saving::Attributes);
     for shape in &g.shapes.meshes {
         let m = &shape.mesh;
-        let mut tree = structure_of(kind, &shape.tree, &TrianglePrims { vertices: &m.vertices, faces: &m.faces });
+        let mut tree = structure_of(kind, &shape.index().tree, &TrianglePrims { vertices: &m.vertices, faces: &m.faces });
         let order = &tree.order;
         out.depth = out.depth.max(tree.depth);
         out.trees.push([out.nodes.len() as u32 / out.per_element, out.refs.len() as u32]);

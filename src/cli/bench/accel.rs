@@ -15,10 +15,12 @@ use std::process::ExitCode;
 #[derive(Debug, Args)]
 pub(super) struct AccelArgs {
     /// Scene or model; meshes are joined into one
-    scene: PathBuf,
-    /// Only these structures, the first of which the others are held against: bvh,kd,wide
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::builder::PossibleValuesParser::new(STRUCTURES.iter().map(|s| s.name)))]
-    against: Vec<String>,
+    pub(super) scene: PathBuf,
+    /// Only these structures, the first of which the others are held against: bvh,kd,wide. With `embree`, one thread of the CPU's in turn with
+    /// Embree 4 over the same rays, by CPU time; alone it stands against bvh8. Needs Python with embreex, and a C compiler
+    #[arg(long, value_name = "LIST", value_delimiter = ',',
+        value_parser = clap::builder::PossibleValuesParser::new(STRUCTURES.iter().map(|s| s.name).chain(["embree"])))]
+    pub(super) against: Vec<String>,
     /// Picture whose rays are traced; a large GPU wants 2048x2048
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = crate::cli::render::parse_size)]
     size: (u32, u32),
@@ -31,9 +33,15 @@ pub(super) struct AccelArgs {
     /// Remember the fastest structure of each GPU for scenes like this one: `--accel auto` takes it from then on
     #[arg(long)]
     calibrate: bool,
+    /// Rounds against Embree
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub(super) rounds: u16,
+    /// Python with embreex
+    #[arg(long, value_name = "FILE", default_value = "python3")]
+    pub(super) python: PathBuf,
     /// Write the table as CSV
     #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
+    pub(super) csv: Option<PathBuf>,
     /// Write a chart
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
@@ -52,6 +60,7 @@ pub(super) fn run(args: &AccelArgs) -> Result<ExitCode, JobError> {
     let subject = Subject::new(loaded?)?;
     let kinds = match &args.against[..] {
         [] => ordered_kinds(),
+        [only] if only == "embree" => vec![AccelKind::Bvh8],
         list => list.iter().filter_map(|n| AccelKind::named(n)).collect(),
     };
     let options = AccelBench { kinds, size: args.size, inside: args.inside, cpu: args.devices != "gpu", gpus: args.devices != "cpu" };
@@ -64,6 +73,9 @@ pub(super) fn run(args: &AccelArgs) -> Result<ExitCode, JobError> {
         args.size.0,
         args.size.1
     );
+    if args.against.iter().any(|n| n == "embree") {
+        return super::embree::run(args, &subject, &options, &name);
+    }
     println!("Mrays/s, and in brackets nodes + primitives a ray\n{}", header());
     let rows = measure(&subject, &options, &mut |row| println!("{}", line(row)))?;
     for (path, text) in [(&args.csv, csv(&name, &rows)), (&args.svg, chart(&name, &rows))] {

@@ -3,12 +3,13 @@
 use crate::cli::console::{print_error, style};
 use clap::Args;
 use rayloom::backend::cpu::CpuBackend;
-use rayloom::bench::error_time::{Mean, Ours, Peer, Point, Renderer, means, run as measure, seconds_to};
+use rayloom::bench::error_time::{AGREEMENT, Mean, Ours, Peer, Point, Renderer, common_reference, means, run as measure, seconds_to};
+use rayloom::bench::mitsuba::export;
 use rayloom::bench::{Line, log_chart};
 use rayloom::compare::{DEFAULT_MAX_PIXELS, Picture};
-use rayloom::compile::{CompileOptions, compile_scene};
 use rayloom::diag::{Severity, Sink, SourceMap, render};
 use rayloom::job::{JobError, load_scene};
+use rayloom::scene::path_settings::PixelFilter;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -18,6 +19,7 @@ const TARGETS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 /// Means that are apart by more than this are of other pictures, not of noise.
 const GATE: f64 = 0.01;
 const CYCLES: &str = include_str!("../../../benches/peers/cycles_timed.py");
+const MITSUBA: &str = include_str!("../../../benches/peers/mitsuba_timed.py");
 
 /// Arguments of `rayloom bench error-time`.
 #[derive(Debug, Args)]
@@ -25,8 +27,17 @@ pub(super) struct ErrorTimeArgs {
     /// Scene
     scene: PathBuf,
     /// Picture without noise, in linear light (EXR, HDR): its size is rendered
-    #[arg(long, value_name = "FILE")]
-    reference: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "reference_spp")]
+    reference: Option<PathBuf>,
+    /// Make the reference: the mean of every renderer's picture with so many samples a pixel, which are held against each other first
+    #[arg(long, value_name = "N", conflicts_with = "reference")]
+    reference_spp: Option<u32>,
+    /// Picture, where the reference is made
+    #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = crate::cli::render::parse_size)]
+    size: (u32, u32),
+    /// Every renderer filters with the pixel itself, not as the scene says
+    #[arg(long)]
+    box_filter: bool,
     /// Samples a pixel
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1,4,16,64")]
     spp: Vec<u32>,
@@ -36,12 +47,15 @@ pub(super) struct ErrorTimeArgs {
     /// Threads of every renderer
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
-    /// Render it with Cycles as well, in turn: `cycles`, or `cycles=FILE.blend` for a scene as Blender saved it
-    #[arg(long, value_name = "PROGRAM[=SCENE]")]
-    against: Option<String>,
-    /// Python with bpy
+    /// Render it with others as well, in turn: `cycles`, `cycles=FILE.blend` for a scene as Blender saved it, `mitsuba` (implies --box-filter)
+    #[arg(long, value_name = "PROGRAM[=SCENE]", value_delimiter = ',')]
+    against: Vec<String>,
+    /// Python with bpy, for Cycles
     #[arg(long, value_name = "FILE", default_value = "python3")]
     python: PathBuf,
+    /// Python with mitsuba
+    #[arg(long, value_name = "FILE", default_value = "python3")]
+    mitsuba_python: PathBuf,
     /// Write every picture's figures as CSV
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -57,38 +71,62 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
     for d in sink.drain().iter().filter(|d| d.severity == Severity::Error) {
         eprint!("{}", render(d, &map, style()));
     }
-    let scene = compile_scene(&loaded?, &CompileOptions::default(), &mut sink)?;
+    let mut scene = loaded?;
     let failed = |message: String, code: u8| {
         print_error(&message);
         Ok(ExitCode::from(code))
     };
-    let reference = match Picture::read(&args.reference, DEFAULT_MAX_PIXELS) {
-        Ok(p) => p.into_linear(),
-        Err(e) => return failed(e.to_string(), 4),
+    let known = match args.reference.as_ref().map(|path| Picture::read(path, DEFAULT_MAX_PIXELS)) {
+        Some(Ok(p)) => Some(p.into_linear()),
+        Some(Err(e)) => return failed(e.to_string(), 4),
+        None => None,
     };
-    let (size, threads) = ((reference.width, reference.height), args.threads as usize);
+    let boxed = args.box_filter || args.against.iter().any(|a| a == "mitsuba");
+    if boxed {
+        scene.settings.path.filter = PixelFilter::Box;
+    }
+    let (size, threads) = (known.as_ref().map_or(args.size, |p| (p.width, p.height)), args.threads as usize);
     let backend = CpuBackend::new(threads);
     let mut ours = Ours { backend: &backend, scene: &scene, size, threads };
     let folder = match tempfile::tempdir() {
         Ok(f) => f,
         Err(e) => return failed(format!("cannot make a temporary folder: {e}"), 4),
     };
-    let mut peer = None;
-    if let Some(against) = &args.against {
-        let (program, scene) = against.split_once('=').map_or((&against[..], args.scene.clone()), |(p, s)| (p, s.into()));
-        if program != "cycles" {
-            return failed(format!("--against knows 'cycles', not '{program}'"), 2);
-        }
-        let script = folder.path().join("cycles_timed.py");
-        if let Err(e) = std::fs::write(&script, CYCLES) {
+    let mut peers = Vec::new();
+    for against in &args.against {
+        let (program, file) = against.split_once('=').map_or((&against[..], args.scene.clone()), |(p, s)| (p, s.into()));
+        let (name, text, python, file) = match program {
+            "cycles" => ("Cycles", CYCLES, &args.python, file),
+            "mitsuba" => match export(&scene, folder.path()) {
+                Ok(()) => ("Mitsuba", MITSUBA, &args.mitsuba_python, folder.path().to_owned()),
+                Err(what) => return failed(format!("Mitsuba cannot be asked for this scene: {what}"), 2),
+            },
+            _ => return failed(format!("--against knows 'cycles' and 'mitsuba', not '{program}'"), 2),
+        };
+        let script = folder.path().join(format!("{program}_timed.py"));
+        if let Err(e) = std::fs::write(&script, text) {
             return failed(format!("cannot write '{}': {e}", script.display()), 4);
         }
-        let (python, out) = (args.python.clone(), folder.path().join("peer.exr"));
-        peer = Some(Peer { name: format!("Cycles, {threads} threads"), python, script, scene, size, threads, out });
+        let (python, out) = (python.clone(), folder.path().join(format!("{program}.exr")));
+        let more = if boxed && program == "cycles" { vec!["box".into()] } else { Vec::new() };
+        peers.push(Peer { name: format!("{name}, {threads} threads"), python, script, scene: file, size, threads, out, more });
     }
     let mut renderers: Vec<&mut dyn Renderer> = vec![&mut ours];
-    renderers.extend(peer.as_mut().map(|p| p as &mut dyn Renderer));
+    renderers.extend(peers.iter_mut().map(|p| p as &mut dyn Renderer));
     let names: Vec<String> = renderers.iter().map(|r| r.name()).collect();
+    let reference = match known {
+        Some(p) => p,
+        None => match common_reference(&mut renderers, args.reference_spp.unwrap_or(1)) {
+            Ok((picture, apart)) => {
+                for (name, apart) in names.iter().zip(&apart).filter(|(_, a)| !a.is_nan()) {
+                    let verdict = if *apart <= AGREEMENT { "agrees" } else { "does not agree, or is not converged" };
+                    println!("{name}: relMSE {apart:.2e} from the mean of the others' references: {verdict} (bar {AGREEMENT:.0e})");
+                }
+                picture
+            }
+            Err(e) => return failed(e, 1),
+        },
+    };
     println!(
         "{:<28} {:>6} {:>4} {:>9} {:>9} {:>10} {:>7} {:>7}",
         "renderer", "spp", "seed", "wall s", "CPU s", "relMSE", "FLIP", "mean +-"
@@ -144,8 +182,10 @@ fn summary(names: &[String], tables: &[Vec<Mean>]) -> String {
             let text = t.map_or("not within these counts".into(), |t| format!("{t:.3} CPU s"));
             let _ = write!(s, "  {name} {text}");
         }
-        if let [Some(ours), Some(theirs)] = times[..] {
-            let _ = write!(s, "  ({:.2} times sooner)", theirs / ours);
+        for (name, theirs) in names.iter().zip(&times).skip(1) {
+            if let (Some(ours), Some(theirs)) = (times[0], theirs) {
+                let _ = write!(s, "  ({:.2} times sooner than {name})", theirs / ours);
+            }
         }
         s.push('\n');
     }

@@ -1,8 +1,10 @@
 //! `rayloom bench`: measurements on this machine.
 
 mod accel;
+mod embree;
 mod error_time;
 mod path;
+mod skip;
 mod stability;
 
 use super::console::print_error;
@@ -25,6 +27,8 @@ enum What {
     Path(path::PathArgs),
     /// Error against time over sample counts, in turn with another renderer (docs/benchmarks.md)
     ErrorTime(error_time::ErrorTimeArgs),
+    /// What is left out where a scene does not need it: each saving off and on in turn, pixels compared (docs/benchmarks.md)
+    Skip(Box<skip::SkipArgs>),
     /// Where renderers break: 24 cases, each a figure against its bar, on the CPU and every GPU (docs/stability.md)
     Stability(stability::StabilityArgs),
 }
@@ -35,6 +39,7 @@ pub fn run(args: &BenchArgs) -> ExitCode {
         What::Accel(args) => accel::run(args),
         What::Path(args) => path::run(args),
         What::ErrorTime(args) => error_time::run(args),
+        What::Skip(args) => skip::run(args),
         What::Stability(args) => stability::run(args),
     };
     match result {

@@ -5,7 +5,10 @@ use super::triangle_pack::TrianglePack;
 use crate::accel::{Accel, AccelKind, AccelOptions, NO_PRIM, PACK, TrianglePrims};
 use crate::math::{Bounds, DVec2, DVec3, Transform, Vec3};
 use crate::scene::Mesh;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
+
+/// Most faces over which every kind of tree is built by one thread.
+const SERIAL_BUILD: usize = 4096;
 
 /// A mesh; instances share it.
 #[derive(Clone, Debug)]
@@ -16,12 +19,20 @@ pub struct MeshShape {
     pub textures: Vec<u32>,
     /// Box in mesh space, of the mesh at rest.
     pub bounds: Bounds,
+    /// Kind of tree.
+    pub(super) accel: AccelKind,
+    pub(super) index: Arc<OnceLock<MeshIndex>>,
+    /// How the vertices move while the shutter is open; `None`: they stand still.
+    pub moving: Option<MovingMesh>,
+}
+
+/// The faces of a mesh in the order of their tree.
+#[derive(Debug)]
+pub struct MeshIndex {
     /// Over the faces.
     pub tree: Accel,
     /// Corners of the faces slot by slot.
     pub corners: Corners,
-    /// How the vertices move while the shutter is open; `None`: they stand still.
-    pub moving: Option<MovingMesh>,
 }
 
 /// Corners of the face in each slot of a mesh's tree: one place in memory a test in place of four, and neighbours side by side.
@@ -48,18 +59,77 @@ impl Corners {
     }
 }
 
+impl MeshIndex {
+    /// Bytes of the tree and of the corners.
+    pub fn n_bytes(&self) -> usize {
+        let corners = match &self.corners {
+            Corners::Slots(list) => size_of_val(&list[..]),
+            Corners::Packs(list) => size_of_val(&list[..]),
+        };
+        self.tree.stats().n_bytes + corners
+    }
+
+    /// Corners of the face in a slot of the tree.
+    #[inline]
+    pub fn slot_corners(&self, slot: u32) -> [Vec3; 3] {
+        match &self.corners {
+            Corners::Slots(list) => list[slot as usize],
+            Corners::Packs(list) => list[slot as usize / PACK].corners(slot as usize % PACK),
+        }
+    }
+}
+
 impl MeshShape {
-    /// Indexes the mesh; `None` without faces or with a face outside the vertices.
+    /// Takes the mesh; `None` without faces or with a face outside the vertices.
     pub fn new(mesh: Arc<Mesh>, textures: Vec<u32>, accel: AccelKind) -> Option<Self> {
         if mesh.faces.is_empty() || !mesh.faces.iter().flatten().all(|v| (*v as usize) < mesh.vertices.len()) {
             return None;
         }
         let used = mesh.faces.iter().flatten().map(|v| mesh.vertices[*v as usize].as_dvec3());
         let bounds = Bounds::from_points(used);
-        let tree = Accel::build(accel, &TrianglePrims { vertices: &mesh.vertices, faces: &mesh.faces }, &AccelOptions::default());
-        let corners = Corners::new(&tree, &mesh);
         let moving = MovingMesh::new(&mesh, accel);
-        Some(Self { mesh, textures, bounds, tree, corners, moving })
+        Some(Self { mesh, textures, bounds, accel, index: Arc::default(), moving })
+    }
+
+    /// The tree, built when it is first asked for.
+    #[inline]
+    pub fn index(&self) -> &MeshIndex {
+        self.index.get_or_init(|| self.build())
+    }
+
+    /// Builds with as many threads as the caller's pool has, but never with the pool's own: a thread that waits for others takes up their
+    /// work, here rays, and those may want this very tree.
+    #[cold]
+    fn build(&self) -> MeshIndex {
+        let n_threads = rayon::current_num_threads();
+        if rayon::current_thread_index().is_none() || self.mesh.faces.len() <= SERIAL_BUILD {
+            return self.build_here();
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build();
+        let built = pool.ok().and_then(|pool| std::thread::scope(|s| s.spawn(|| pool.install(|| self.build_here())).join().ok()));
+        built.unwrap_or_else(|| self.build_here())
+    }
+
+    fn build_here(&self) -> MeshIndex {
+        let mesh = &self.mesh;
+        let tree = Accel::build(
+            self.accel,
+            &TrianglePrims { vertices: &mesh.vertices, faces: &mesh.faces },
+            &AccelOptions { pack: PACK, ..AccelOptions::default() },
+        );
+        let corners = Corners::new(&tree, mesh);
+        MeshIndex { tree, corners }
+    }
+
+    /// The tree, to be changed; `None` where several hold it.
+    pub fn tree_mut(&mut self) -> Option<&mut Accel> {
+        self.index();
+        Arc::get_mut(&mut self.index)?.get_mut().map(|i| &mut i.tree)
+    }
+
+    /// Whether the tree stands already.
+    pub fn is_built(&self) -> bool {
+        self.index.get().is_some()
     }
 
     /// Corners of a face at rest.
@@ -83,15 +153,6 @@ impl MeshShape {
 
     fn moment(&self, time: f64) -> Option<Moment> {
         (self.moving.is_some() && time >= 0.0).then(|| Moment::of(&self.mesh, time))
-    }
-
-    /// Corners of the face in a slot of the tree.
-    #[inline]
-    pub fn slot_corners(&self, slot: u32) -> [Vec3; 3] {
-        match &self.corners {
-            Corners::Slots(list) => list[slot as usize],
-            Corners::Packs(list) => list[slot as usize / PACK].corners(slot as usize % PACK),
-        }
     }
 
     /// World box of the vertices, wherever they are while the shutter is open.

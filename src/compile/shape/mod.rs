@@ -12,6 +12,7 @@ pub mod moving_mesh;
 pub mod simple;
 pub mod sweep;
 pub mod swept;
+mod tree_store;
 pub mod triangle_pack;
 
 pub use algebraic::{PolyShape, QuadricShape, SuperellipsoidShape};
@@ -19,10 +20,11 @@ pub use blob::BlobShape;
 pub use hair::HairShape;
 pub use height::HeightFieldShape;
 pub use implicit::{IsosurfaceShape, JuliaShape, ParametricShape};
-pub use mesh::MeshShape;
+pub use mesh::{MeshIndex, MeshShape};
 pub use simple::{BoxShape, ConeShape, CylinderShape, DiscShape, PlaneShape, SphereShape, TorusShape, TriangleShape};
 pub use sweep::{OvusShape, SphereSweepShape};
 pub use swept::{GlyphShape, LatheShape, PolygonShape, PrismShape, SorShape};
+pub use tree_store::TreeStore;
 
 /// Tables of shapes, one a kind of primitive.
 #[derive(Debug, Default)]

@@ -7,6 +7,7 @@ use super::khr;
 use super::rayloom::place_of_set;
 use crate::diag::Sink;
 use crate::math::Vec3;
+use crate::savings::{Saving, Savings};
 use crate::scene::input::{NormalInput, Picture};
 use crate::scene::likeness::closure_of;
 use crate::scene::material::{AlphaMode, MaterialImage, MaterialTexture, Wrap};
@@ -16,6 +17,8 @@ use ::gltf::json::material::AlphaMode as JsonAlpha;
 use ::gltf::json::texture::{MagFilter, WrappingMode};
 use ::gltf::json::validation::Checked;
 use rayon::prelude::*;
+use serde_json::Value;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A material, shared by all that wear it.
@@ -30,11 +33,10 @@ pub(super) struct Cover {
     pub all_uvs: bool,
 }
 
-/// All materials of a file; the last is the one of primitives that name none. `decode`: their pictures are wanted; else each material is
-/// going to be replaced.
-pub(super) fn covers(doc: &Document, decode: bool, sink: &mut Sink) -> Result<Vec<Cover>, ImportError> {
+/// All materials of a file; the last is the one of primitives that name none. `wanted`: the pictures to decode.
+pub(super) fn covers(doc: &Document, wanted: &[bool], sink: &mut Sink) -> Result<Vec<Cover>, ImportError> {
     let from_blender = doc.root.asset.generator.as_deref().is_some_and(|g| g.contains("Blender"));
-    let images = if decode { images(doc, sink)? } else { vec![None; doc.root.images.len()] };
+    let images = images(doc, wanted, sink)?;
     let records = doc.root.materials.iter().enumerate();
     let read = records.map(|(ix, record)| {
         Reader { doc, images: &images, ix, from_blender, uv_set: None, more_uvs: false, sink: &mut *sink }.cover(record)
@@ -46,15 +48,40 @@ pub(super) fn covers(doc: &Document, decode: bool, sink: &mut Sink) -> Result<Ve
     Ok(covers)
 }
 
-/// The decoded pictures that textures name; those that cannot be had are `None`, with a note.
-fn images(doc: &Document, sink: &mut Sink) -> Result<Vec<Option<Arc<MaterialImage>>>, ImportError> {
-    let n = doc.root.images.len();
-    let mut wanted = vec![false; n];
-    for t in &doc.root.textures {
+/// By image: whether a material that faces wear shows it. None is `shown` where each material is going to be replaced.
+pub(super) fn wanted_images(doc: &Document, shown: bool, savings: Savings) -> Vec<bool> {
+    let root = doc.root;
+    let mut wanted = vec![!savings.has(Saving::Textures); root.images.len()];
+    if !shown {
+        return wanted;
+    }
+    let worn = root.meshes.iter().flat_map(|m| &m.primitives).filter_map(|p| p.material);
+    let worn: BTreeSet<usize> = worn.map(|m| m.value()).collect();
+    let mut textures = Vec::new();
+    for m in worn.iter().filter_map(|ix| root.materials.get(*ix)) {
+        serde_json::to_value(m).iter().for_each(|v| named_textures(v, &mut textures));
+    }
+    for t in textures.iter().filter_map(|ix| root.textures.get(*ix)) {
         if let Some(w) = wanted.get_mut(t.source.value()) {
             *w = true;
         }
     }
+    wanted
+}
+
+/// Textures that a material and its extensions name, but those of occlusion.
+fn named_textures(v: &Value, out: &mut Vec<usize>) {
+    let Some(fields) = v.as_object() else { return };
+    for (name, field) in fields.iter().filter(|(name, _)| *name != "occlusionTexture") {
+        let index = field.get("index").and_then(Value::as_u64).filter(|_| name.ends_with("Texture"));
+        out.extend(index.map(|ix| ix as usize));
+        named_textures(field, out);
+    }
+}
+
+/// The decoded pictures that are wanted; those that cannot be had are `None`, with a note.
+fn images(doc: &Document, wanted: &[bool], sink: &mut Sink) -> Result<Vec<Option<Arc<MaterialImage>>>, ImportError> {
+    let n = doc.root.images.len();
     let decoded: Vec<Result<Option<MaterialImage>, String>> = (0..n)
         .into_par_iter()
         .map(|ix| if wanted[ix] { image_bytes(doc, ix).and_then(|b| picture::decode(&b)).map(Some) } else { Ok(None) })

@@ -6,7 +6,7 @@ use super::animation;
 use super::camera::camera;
 use super::instancing::instances;
 use super::light::{Units, light};
-use super::material::{Cover, covers};
+use super::material::{Cover, covers, wanted_images};
 use super::mesh::{Budget, Form, MAX_VERTICES, Wanted, triangles};
 use super::pose::{Pose, Tree};
 use super::rayloom::{self, Extension, NodeTraits};
@@ -60,7 +60,9 @@ pub(super) fn scene(doc: &Document, options: &ImportOptions, sink: &mut Sink) ->
     let units = Units::of(generator, options.lumens_per_watt, sink);
     let covered = |m: &json::Material| rayloom::part(m.extensions.as_ref().map(|e| &e.others)).is_some();
     let all_replaced = extension.is_some() && doc.root.materials.iter().all(covered);
-    let mut covers = covers(doc, !all_replaced, sink)?;
+    let wanted = wanted_images(doc, !all_replaced, options.savings);
+    scene.unread.pictures = [wanted.iter().filter(|w| !**w).count(), wanted.len()];
+    let mut covers = covers(doc, &wanted, sink)?;
     if let Some(e) = &mut extension {
         rayloom::shaders(e, &mut covers, sink)?;
     }

@@ -8,6 +8,7 @@ use crate::kernel::PatternPoint;
 use crate::kernel::finish::{highlights, power, thin_film};
 use crate::kernel::light::{LightRay, area_axes, area_offset, attenuation, light_ray};
 use crate::math::{DVec3, EPSILON, Rgb, Vec3};
+use crate::savings::Saving;
 use crate::scene::{Finish, Light};
 
 /// A layer as lamps see it.
@@ -71,7 +72,7 @@ impl Tracer<'_> {
         if spread.is_none() && !Self::double_illuminated(ctx) && way.dir.dot(layer.normal) < EPSILON {
             if layer.finish.diffuse_back == 0.0 {
                 // Media draw random numbers on the way, which would show elsewhere.
-                if !scene.options.skip && self.plan.quality.shadows && !self.plan.has_media {
+                if !scene.options.savings.has(Saving::Lights) && self.plan.quality.shadows && !self.plan.has_media {
                     self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, None);
                 }
                 return Vec3::ZERO;

@@ -27,4 +27,5 @@ pub use pixel::single_ray;
 pub use plan::ScenePlan;
 pub use principled::SHARP_MIRROR;
 pub use radiosity::RadiosityState;
+pub use shafts::takes_shafts;
 pub use trace::Tracer;

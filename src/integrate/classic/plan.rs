@@ -7,6 +7,7 @@ use crate::kernel::camera::CameraModel;
 use crate::kernel::inside::containing_interiors;
 use crate::kernel::media::stop_thresholds;
 use crate::math::Bounds;
+use crate::savings::Saving;
 
 /// What POV-Ray's quality levels switch. Source: spec/light.md, section 13.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,7 +72,7 @@ impl ScenePlan {
         } else {
             // Where no solid comes near the places that rays start from, they all start in the open.
             let is_far = |b: &Bounds| scene.geometry.solids.iter().all(|(solid, _)| solid.intersection(*b).is_empty());
-            camera.origins().is_some_and(|b| scene.options.skip && is_far(&b)).then(InteriorList::default)
+            camera.origins().is_some_and(|b| scene.options.savings.has(Saving::Interiors) && is_far(&b)).then(InteriorList::default)
         };
         let global_lights = (0..scene.lights.len() as u32).filter(|k| scene.lights[*k as usize].group_ix == NONE).collect();
         let group_lights = (0..scene.light_groups.len() as u32).map(|g| lights_of_group(scene, g)).collect();

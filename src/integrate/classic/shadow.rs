@@ -14,6 +14,7 @@ use crate::kernel::light::{LightRay, area_axes, area_offset, light_ray};
 use crate::kernel::traverse::{SHADOW_TOLERANCE, ShadowHit, intersect_object, intersect_shadow};
 use crate::kernel::{PatternPoint, SurfaceHit};
 use crate::math::{DVec3, Ray, Rgb, Rgbft, Vec3};
+use crate::savings::Saving;
 use crate::scene::light::AreaLight;
 
 /// Most clear surfaces that one shadow ray passes.
@@ -53,7 +54,7 @@ impl Tracer<'_> {
             if left <= 2.0 * SHADOW_TOLERANCE {
                 break;
             }
-            let last = if scene.options.skip { self.blockers[light_ix as usize][slot] } else { u32::MAX };
+            let last = if scene.options.savings.has(Saving::Blockers) { self.blockers[light_ix as usize][slot] } else { u32::MAX };
             match shadow_hit(scene, &ray, (SHADOW_TOLERANCE, left - SHADOW_TOLERANCE), last, among) {
                 ShadowHit::None => break,
                 ShadowHit::Opaque { prim_ix } => {

@@ -8,6 +8,7 @@ use super::trace::Tracer;
 use crate::accel::{BoxF, Candidates, Shaft};
 use crate::compile::CompiledScene;
 use crate::math::{DVec3, Ray};
+use crate::savings::Saving;
 use crate::scene::Light;
 use crate::scene::light::{AreaLight, LightKind};
 
@@ -18,11 +19,16 @@ const LEAST_GRID: u32 = 25;
 /// Share of an edge that the points of a circular light may lie beyond its rim.
 const RIM: f64 = 0.01;
 
+/// Whether an area light has points enough for a list of what stands before it.
+pub fn takes_shafts(area: &AreaLight) -> bool {
+    area.n1.saturating_mul(area.n2) >= LEAST_GRID
+}
+
 impl Tracer<'_> {
     /// The primitives between `point` and an area light's grid; `None` where there are too many, or skipping is off.
     pub(super) fn before_area(&mut self, light: &Light, area: &AreaLight, axes: (DVec3, DVec3), point: DVec3) -> Option<Candidates> {
         let scene = self.scene;
-        if !scene.options.skip || area.n1.saturating_mul(area.n2) < LEAST_GRID {
+        if !scene.options.savings.has(Saving::Shafts) || !takes_shafts(area) {
             return None;
         }
         let bounds = scene.geometry.tree.shaft_bounds()?;

@@ -3,9 +3,9 @@
 
 use super::{HitSink, LocalRay, Part};
 use crate::accel::{Accel, LeafVisitor, PACK};
-use crate::compile::shape::MeshShape;
 use crate::compile::shape::mesh::Corners;
 use crate::compile::shape::triangle_pack::TrianglePack;
+use crate::compile::shape::{MeshIndex, MeshShape};
 use crate::math::simd::Simd;
 use crate::math::{DVec2, DVec3, MAX_DISTANCE, Ray, Vec3};
 use std::cell::RefCell;
@@ -76,44 +76,48 @@ impl ShearedRay {
 }
 
 /// What a pack of triangles has in common with a ray: the edge functions and depths of all of them.
-struct PackTest {
+struct PackTest<S: Simd> {
     /// Edge functions, `[corner][triangle]`.
-    w: [[f64; PACK]; 3],
+    w: [S::F64x4; 3],
     /// Depths of the corners, not yet scaled.
-    z: [[f64; PACK]; 3],
+    z: [S::F64x4; 3],
     /// A bit for each triangle that the ray may meet.
     met: u32,
 }
 
-impl PackTest {
-    /// The numbers of [`ShearedRay::hit`], to the last bit, for a triangle of the pack.
+/// Hits of a pack: depths, weights of corners 2 and 3.
+struct PackHits {
+    t: [f64; PACK],
+    a: [f64; PACK],
+    b: [f64; PACK],
+    /// A bit for each triangle that is met nearer than what was asked for, and not behind.
+    met: u32,
+}
+
+impl<S: Simd> PackTest<S> {
+    /// The numbers of [`ShearedRay::hit`], to the last bit, for all triangles. What has no area gives NaN, which is not met.
     #[inline(always)]
-    fn hit(&self, ray: &ShearedRay, lane: usize) -> Option<(f64, f64, f64)> {
-        let ([w1, w2, w3], [z1, z2, z3]) =
-            ([self.w[0][lane], self.w[1][lane], self.w[2][lane]], [self.z[0][lane], self.z[1][lane], self.z[2][lane]]);
-        let det = w1 + w2 + w3;
-        if det == 0.0 {
-            return None;
-        }
-        Some((ray.shear[2] * (w1 * z1 + w2 * z2 + w3 * z3) / det, w2 / det, w3 / det))
+    fn hits(&self, s: S, ray: &ShearedRay, far: f64) -> PackHits {
+        let ([w1, w2, w3], [z1, z2, z3]) = (self.w, self.z);
+        let det = s.add(s.add(w1, w2), w3);
+        let sum = s.add(s.add(s.mul(w1, z1), s.mul(w2, z2)), s.mul(w3, z3));
+        let t = s.div(s.mul(s.splat(ray.shear[2]), sum), det);
+        let in_reach = !s.lt(s.splat(far), t) & s.lt(s.splat(TOLERANCE), t);
+        PackHits { t: s.array(t), a: s.array(s.div(w2, det)), b: s.array(s.div(w3, det)), met: self.met & in_reach }
     }
 }
 
 impl ShearedRay {
     /// As [`ShearedRay::hit`], four triangles side by side.
     #[inline(always)]
-    fn test_pack<S: Simd>(&self, s: S, pack: &TrianglePack) -> PackTest {
+    fn test_pack<S: Simd>(&self, s: S, pack: &TrianglePack) -> PackTest<S> {
         // No loops, no closures: what stays one is compiled apart, without the wide instructions.
         let (a, b, c) = (self.corners(s, &pack.0[0]), self.corners(s, &pack.0[1]), self.corners(s, &pack.0[2]));
         let (w1, w2, w3) = (edge(s, c, b), edge(s, a, c), edge(s, b, a));
         let (least, most) = (s.min(w1, s.min(w2, w3)), s.max(w1, s.max(w2, w3)));
         let zero = s.splat(0.0);
         let mixed = s.lt(least, zero) & s.lt(zero, most);
-        PackTest {
-            w: [s.array(w1), s.array(w2), s.array(w3)],
-            z: [s.array(a[2]), s.array(b[2]), s.array(c[2])],
-            met: !mixed & ((1 << PACK) - 1),
-        }
+        PackTest { w: [w1, w2, w3], z: [a[2], b[2], c[2]], met: !mixed & ((1 << PACK) - 1) }
     }
 
     /// The same corner of four triangles, moved and sheared.
@@ -135,7 +139,7 @@ fn edge<S: Simd>(s: S, a: [S::F64x4; 3], b: [S::F64x4; 3]) -> S::F64x4 {
 
 /// What a ray found of a mesh so far, on its way to a sink.
 struct Crossings<'a, S> {
-    mesh: &'a MeshShape,
+    index: &'a MeshIndex,
     packs: &'a [TrianglePack],
     ray: &'a ShearedRay,
     sink: &'a mut S,
@@ -165,13 +169,17 @@ impl<S: HitSink> LeafVisitor for Crossings<'_, S> {
     #[inline(always)]
     fn leaf<Lanes: Simd>(&mut self, simd: Lanes, first: u32, count: u32, mut far: f64) -> Option<f64> {
         let test = self.ray.test_pack(simd, &self.packs[first as usize / PACK]);
-        let mut met = test.met & ((1 << count) - 1);
+        if test.met & ((1 << count) - 1) == 0 {
+            return Some(far);
+        }
+        let hits = test.hits(simd, self.ray, far);
+        let mut met = hits.met & ((1 << count) - 1);
         while met != 0 {
             let lane = met.trailing_zeros();
             met &= met - 1;
-            if let Some(hit) = test.hit(self.ray, lane as usize) {
-                far = self.offer(hit, self.mesh.tree.prim_at(first + lane), far).unwrap_or(far);
-            }
+            let k = lane as usize % PACK;
+            let face = self.index.tree.prim_at(first + lane);
+            far = self.offer((hits.t[k], hits.a[k], hits.b[k]), face, far).unwrap_or(far);
         }
         Some(far)
     }
@@ -182,7 +190,8 @@ impl<S: HitSink> LeafVisitor for Crossings<'_, S> {
 pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
     let sheared = ShearedRay::new(ray);
     let (walked, far) = (Ray::new(ray.origin, ray.dir), sink.far().min(MAX_DISTANCE));
-    let mut found = Crossings { mesh: s, packs: &[], ray: &sheared, sink, last: (f64::INFINITY, u32::MAX) };
+    let index = s.index();
+    let mut found = Crossings { index, packs: &[], ray: &sheared, sink, last: (f64::INFINITY, u32::MAX) };
     if let Some(moving) = &s.moving
         && found.sink.time() >= 0.0
     {
@@ -190,13 +199,13 @@ pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
         let hit = |face: u32| sheared.hit(&s.mesh.faces[face as usize].map(|v| moment.vertex(&s.mesh, v)));
         return tree.closest(&walked, 0.0, far, |face, far| found.offer(hit(face)?, face, far));
     }
-    match (&s.tree, &s.corners) {
+    match (&index.tree, &index.corners) {
         (Accel::Bvh8(tree), Corners::Packs(packs)) => {
             tree.visit_leaves(&walked, 0.0, far, Crossings { packs, ..found });
         }
         (tree, _) => tree.closest_slots(&walked, 0.0, far, |slot, far| {
-            let hit = sheared.hit(&s.slot_corners(slot))?;
-            found.offer(hit, s.tree.prim_at(slot), far)
+            let hit = sheared.hit(&index.slot_corners(slot))?;
+            found.offer(hit, index.tree.prim_at(slot), far)
         }),
     }
 }
@@ -216,8 +225,9 @@ pub fn inside_mesh(s: &MeshShape, p: DVec3) -> bool {
     let sheared = ShearedRay::new(&ray);
     CROSSED.with_borrow_mut(|crossed| {
         crossed.clear();
-        s.tree.closest_slots(&Ray::new(p, dir), 0.0, MAX_DISTANCE, |slot, _| {
-            if sheared.hit(&s.slot_corners(slot)).is_some_and(|(t, ..)| t > TOLERANCE) && !crossed.contains(&slot) {
+        let index = s.index();
+        index.tree.closest_slots(&Ray::new(p, dir), 0.0, MAX_DISTANCE, |slot, _| {
+            if sheared.hit(&index.slot_corners(slot)).is_some_and(|(t, ..)| t > TOLERANCE) && !crossed.contains(&slot) {
                 crossed.push(slot);
             }
             None

@@ -1,0 +1,257 @@
+//! Meshes against Embree on the same rays: both programs in turn, one thread each, hits compared before a speed is told.
+
+use super::rays::{RAY_KINDS, RaySets, TestRay};
+use crate::accel::AccelKind;
+use crate::compile::shape::MeshShape;
+use crate::cpu_time::thread_seconds;
+use crate::kernel::intersect::mesh::intersect_mesh;
+use crate::kernel::intersect::{HitSink, LocalRay, Part};
+use crate::scene::Mesh;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::Arc;
+
+const SCRIPT: &str = include_str!("../../benches/peers/embree.py");
+const PROGRAM: &str = include_str!("../../benches/peers/embree.c");
+/// Share of rays whose hits may differ: Embree's edges leak, and its depths are of single precision.
+const MAY_DIFFER: f64 = 1e-4;
+/// Depths that are apart by more, relative to themselves, are of other faces.
+const SAME_DEPTH: f64 = 1e-3;
+/// Seconds of one measurement.
+const LEAST_SECONDS: f64 = 0.2;
+
+/// Rays that are traced together by Embree, and whether its robust mode is on.
+const PEERS: [(&str, u32, bool); 4] =
+    [("Embree, single rays", 1, false), ("Embree, 8 rays", 8, false), ("Embree, 16 rays", 16, false), ("Embree robust, single", 1, true)];
+
+/// One contestant.
+#[derive(Clone, Debug)]
+pub struct PeerRow {
+    /// A structure of ours, or how Embree was asked.
+    pub name: String,
+    /// CPU seconds of the build, one thread.
+    pub build_seconds: f64,
+    /// Bytes of the tree with its copy of the faces.
+    pub n_bytes: u64,
+    /// By kind of ray, by round: millions of rays a CPU second.
+    pub mrays: [Vec<f64>; 4],
+    /// By kind of ray: those that meet something else than with the first contestant.
+    pub apart: [usize; 4],
+    /// By kind of ray: how many.
+    pub n_rays: [usize; 4],
+}
+
+impl PeerRow {
+    /// Whether the hits are the first contestant's, so that a speed means something.
+    pub fn agrees(&self, kind: usize) -> bool {
+        self.apart[kind] as f64 <= (MAY_DIFFER * self.n_rays[kind] as f64).max(1.0)
+    }
+
+    /// Median speed.
+    pub fn speed(&self, kind: usize) -> f64 {
+        super::median(self.mrays[kind].iter().copied())
+    }
+
+    /// Median over the rounds of this one's speed over `other`'s.
+    pub fn over(&self, other: &PeerRow, kind: usize) -> f64 {
+        super::median(self.mrays[kind].iter().zip(&other.mrays[kind]).map(|(a, b)| a / b))
+    }
+}
+
+/// The nearest hit, or any.
+struct Nearest {
+    far: f64,
+    any: bool,
+    t: f64,
+}
+
+impl HitSink for Nearest {
+    fn push(&mut self, t: f64, _: Part) {
+        if t < self.far {
+            (self.far, self.t) = (t, t);
+        }
+    }
+
+    fn far(&self) -> f64 {
+        if self.any && self.t < f64::INFINITY { f64::NEG_INFINITY } else { self.far }
+    }
+}
+
+/// Depth of what a ray meets; infinite for nothing, 0 where any hit does.
+pub fn depth(mesh: &MeshShape, r: &TestRay, any: bool) -> f64 {
+    let mut sink = Nearest { far: r.t_max, any, t: f64::INFINITY };
+    intersect_mesh(mesh, &LocalRay { origin: r.ray.origin, dir: r.ray.dir, scale: 1.0 }, &mut sink);
+    if any && sink.t < f64::INFINITY { 0.0 } else { sink.t }
+}
+
+/// Millions of rays a second of this thread.
+pub fn trace_speed(mesh: &MeshShape, rays: &[TestRay], any: bool, least_seconds: f64) -> f64 {
+    let (start, mut n, mut took) = (thread_seconds(), 0, 0.0);
+    while took < least_seconds {
+        rays.iter().for_each(|r| _ = std::hint::black_box(depth(mesh, r, any)));
+        n += rays.len();
+        took = thread_seconds() - start;
+    }
+    n as f64 / took / 1e6
+}
+
+/// Embree in a process of its own.
+struct Peer {
+    child: Child,
+    to: ChildStdin,
+    from: BufReader<ChildStdout>,
+}
+
+impl Peer {
+    fn start(python: &Path, folder: &Path, robust: bool) -> Result<Self, String> {
+        let mut command = Command::new(python);
+        command.arg(folder.join("embree.py")).arg(folder).args(robust.then_some("robust"));
+        let mut child = command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|e| format!("cannot run '{}': {e}", python.display()))?;
+        let (to, from) = (child.stdin.take().expect("piped"), BufReader::new(child.stdout.take().expect("piped")));
+        Ok(Self { child, to, from })
+    }
+
+    /// Numbers of the answer to a command.
+    fn ask(&mut self, command: &str) -> Result<[f64; 2], String> {
+        let sent = writeln!(self.to, "{command}").and_then(|()| self.to.flush());
+        let mut line = String::new();
+        let read = sent.and_then(|()| self.from.read_line(&mut line));
+        let mut numbers = line.split_whitespace().skip(1).map(|w| w.parse::<f64>().unwrap_or(f64::NAN));
+        match (read, numbers.next()) {
+            (Ok(_), Some(a)) => Ok([a, numbers.next().unwrap_or(f64::NAN)]),
+            _ => {
+                let mut said = String::new();
+                if let Some(e) = self.child.stderr.take() {
+                    _ = BufReader::new(e).read_to_string(&mut said);
+                }
+                Err(format!("Embree gave no answer: {}", said.lines().last().unwrap_or("it said nothing")))
+            }
+        }
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        _ = self.child.kill();
+        _ = self.child.wait();
+    }
+}
+
+/// Faces and rays as files of 32-bit numbers, and the peer's source, in `folder`.
+fn write_files(folder: &Path, mesh: &Mesh, rays: &RaySets) -> std::io::Result<()> {
+    let write = |name: &str, numbers: &mut dyn Iterator<Item = f32>| {
+        std::fs::write(folder.join(name), numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>())
+    };
+    write("faces", &mut mesh.faces.iter().flatten().flat_map(|v| mesh.vertices[*v as usize].to_array()))?;
+    for (kind, set) in RAY_KINDS.iter().zip(&rays.sets) {
+        let numbers = |r: &TestRay| {
+            let (o, d) = (r.ray.origin.as_vec3(), r.ray.dir.as_vec3());
+            [o.x, o.y, o.z, d.x, d.y, d.z, r.t_max as f32]
+        };
+        write(kind, &mut set.iter().flat_map(numbers))?;
+    }
+    std::fs::write(folder.join("embree.py"), SCRIPT)?;
+    std::fs::write(folder.join("embree.c"), PROGRAM)
+}
+
+/// Measures `kinds` and Embree over `mesh`; `told` hears of each round.
+///
+/// # Errors
+/// What the peer lacks.
+pub fn run(
+    mesh: &Arc<Mesh>,
+    rays: &RaySets,
+    kinds: &[AccelKind],
+    rounds: usize,
+    python: &Path,
+    told: &mut dyn FnMut(usize),
+) -> Result<Vec<PeerRow>, String> {
+    let folder = tempfile::tempdir().map_err(|e| format!("cannot make a temporary folder: {e}"))?;
+    write_files(folder.path(), mesh, rays).map_err(|e| format!("cannot write to '{}': {e}", folder.path().display()))?;
+    let n_rays = rays.sets.each_ref().map(Vec::len);
+    let row = |name: String, build_seconds: f64, n_bytes: f64| PeerRow {
+        name,
+        build_seconds,
+        n_bytes: n_bytes as u64,
+        mrays: Default::default(),
+        apart: [0; 4],
+        n_rays,
+    };
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
+    let (mut rows, mut ours) = (Vec::new(), Vec::new());
+    for kind in kinds {
+        let shape = MeshShape::new(mesh.clone(), Vec::new(), *kind).ok_or("the mesh has no faces")?;
+        // On the pool's own thread, from which `index` would go to another.
+        let start = crate::cpu_time::process_seconds();
+        let n_bytes = one_thread.install(|| shape.index().n_bytes());
+        rows.push(row(kind.name().into(), crate::cpu_time::process_seconds() - start, n_bytes as f64));
+        ours.push(shape);
+    }
+    let mut peers = [Peer::start(python, folder.path(), false)?, Peer::start(python, folder.path(), true)?];
+    let built = [peers[0].ask("build")?, peers[1].ask("build")?];
+    rows.extend(PEERS.iter().map(|(name, _, robust)| {
+        let [seconds, bytes] = built[usize::from(*robust)];
+        row((*name).into(), seconds, bytes)
+    }));
+    // What is met, before any speed.
+    for (which, set) in rays.sets.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
+        let any = which == 1;
+        let truth: Vec<f64> = set.iter().map(|r| depth(&ours[0], r, any)).collect();
+        for (k, shape) in ours.iter().enumerate() {
+            rows[k].apart[which] = set.iter().zip(&truth).filter(|(r, t)| depth(shape, r, any) != **t).count();
+        }
+        for (k, (_, width, robust)) in PEERS.iter().enumerate() {
+            peers[usize::from(*robust)].ask(&format!("depths {} {width}", RAY_KINDS[which]))?;
+            let bytes = std::fs::read(folder.path().join(format!("{}.depths", RAY_KINDS[which]))).map_err(|e| e.to_string())?;
+            let theirs = bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])));
+            rows[ours.len() + k].apart[which] = theirs.zip(&truth).filter(|(a, b)| !same_depth(*a, **b)).count();
+        }
+    }
+    for round in 0..rounds {
+        for (which, set) in rays.sets.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
+            for (row, shape) in rows.iter_mut().zip(&ours) {
+                row.mrays[which].push(trace_speed(shape, set, which == 1, LEAST_SECONDS));
+            }
+            for (row, (_, width, robust)) in rows[ours.len()..].iter_mut().zip(PEERS) {
+                let [n, seconds] = peers[usize::from(robust)].ask(&format!("trace {} {width}", RAY_KINDS[which]))?;
+                row.mrays[which].push(n / seconds / 1e6);
+            }
+        }
+        told(round + 1);
+    }
+    Ok(rows)
+}
+
+fn same_depth(a: f64, b: f64) -> bool {
+    a == b || a.is_finite() && b.is_finite() && (a - b).abs() <= SAME_DEPTH * a.abs().max(b.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contestants_that_meet_something_else_do_not_agree() {
+        assert!(same_depth(f64::INFINITY, f64::INFINITY) && same_depth(1.0, 1.0 + 1e-4) && same_depth(0.0, 0.0));
+        assert!(!same_depth(f64::INFINITY, 3.0) && !same_depth(1.0, 1.01) && !same_depth(0.0, f64::INFINITY));
+        let mut row = PeerRow {
+            name: String::new(),
+            build_seconds: 0.0,
+            n_bytes: 0,
+            mrays: [vec![2.0, 6.0, 3.0], vec![], vec![], vec![]],
+            apart: [30, 0, 0, 0],
+            n_rays: [1_000_000; 4],
+        };
+        assert!(row.agrees(0) && row.speed(0) == 3.0);
+        let other = PeerRow { mrays: [vec![1.0, 2.0, 3.0], vec![], vec![], vec![]], ..row.clone() };
+        assert_eq!(row.over(&other, 0), 2.0);
+        row.apart[0] = 200;
+        assert!(!row.agrees(0));
+    }
+}
