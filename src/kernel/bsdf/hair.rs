@@ -65,30 +65,38 @@ pub fn sigma_of_reflectance(c: Rgb, radial_roughness: f32) -> Rgb {
 /// model", 2016) and, measured by a strand under a sun, Cycles: up to 1.3 % are missing around x = 12.
 const BESSEL_TERMS: u32 = 10;
 
-/// Beyond 12 the asymptotic form of the same source.
-fn log_bessel_i0(x: f32) -> f32 {
-    if x > 12.0 {
-        return x + 0.5 * (1.0 / (8.0 * x) - (TAU * x).ln());
-    }
-    bessel_i0(x).ln()
-}
-
-fn bessel_i0(x: f32) -> f32 {
-    let (mut sum, mut term, q) = (1.0f32, 1.0f32, x * x / 4.0);
-    for k in 1..BESSEL_TERMS {
+/// The modified Bessel function of order 0, and the share of it that Cycles has. `x` is 12 at most.
+fn bessel_i0(x: f32) -> (f32, f32) {
+    let (mut sum, mut short, mut term, q) = (1.0f32, 1.0f32, 1.0f32, x * x / 4.0);
+    for k in 1..24 {
         term *= q / (k * k) as f32;
         sum += term;
+        if k < BESSEL_TERMS {
+            short = sum;
+        }
     }
-    sum
+    (sum, short / sum)
 }
 
-/// Longitudinal scattering. Source: d'Eon et al. 2011.
-fn longitudinal((si, ci): (f32, f32), (so, co): (f32, f32), v: f32) -> f32 {
+/// Its logarithm, and that share; beyond 12 by asymptotic forms, Cycles' from the same source as its series.
+fn log_bessel_i0(x: f32) -> (f32, f32) {
+    if x > 12.0 {
+        let more = ((1.0 + 9.0 / (16.0 * x)) / (8.0 * x)).ln_1p();
+        return (x - 0.5 * (TAU * x).ln() + more, (1.0 / (16.0 * x) - more).exp());
+    }
+    let (i0, share) = bessel_i0(x);
+    (i0.ln(), share)
+}
+
+/// Longitudinal scattering, and the share of it that Cycles has. Source: d'Eon et al. 2011.
+fn longitudinal((si, ci): (f32, f32), (so, co): (f32, f32), v: f32) -> (f32, f32) {
     let (a, b) = (ci * co / v, si * so / v);
     if v <= 0.1 {
-        (log_bessel_i0(a) - b - 1.0 / v + std::f32::consts::LN_2 + (0.5 / v).ln()).exp()
+        let (log_i0, share) = log_bessel_i0(a);
+        ((log_i0 - b - 1.0 / v + std::f32::consts::LN_2 + (0.5 / v).ln()).exp(), share)
     } else {
-        (-b).exp() * bessel_i0(a) / ((1.0 / v).sinh() * 2.0 * v)
+        let (i0, share) = bessel_i0(a);
+        ((-b).exp() * i0 / ((1.0 / v).sinh() * 2.0 * v), share)
     }
 }
 
@@ -169,23 +177,31 @@ impl Hair {
         self.tilted.get(p).copied().unwrap_or(self.theta_o)
     }
 
-    /// Value (the fibre's cosine is in it) and density.
+    /// Value (the fibre's cosine is in it) and density. Of light that is asked for the value is that of Cycles, whose series ends early.
     pub fn eval(&self, _v: Vec3, l: Vec3) -> (Rgb, f32) {
+        let (_, short, pdf) = self.densities(l);
+        (short, pdf)
+    }
+
+    /// Value, Cycles' value, density.
+    fn densities(&self, l: Vec3) -> (Rgb, Rgb, f32) {
         let sin_i = l.x.clamp(-1.0, 1.0);
         let theta_i = (sin_i, (1.0 - sin_i * sin_i).max(0.0).sqrt());
         let phi = l.z.atan2(l.y) - self.phi_o;
-        let (mut value, mut pdf) = (Vec3::ZERO, 0.0);
+        let (mut value, mut short, mut pdf) = (Vec3::ZERO, Vec3::ZERO, 0.0);
         for p in 0..=P_MAX {
             let around = if p < P_MAX { trimmed_logistic(wrapped(phi - self.turn(p)), self.s) } else { 1.0 / TAU };
-            let d = longitudinal(theta_i, self.viewer(p), self.v[p]) * around;
+            let (along, share) = longitudinal(theta_i, self.viewer(p), self.v[p]);
+            let d = along * around;
             value += self.a[p] * d;
+            short += self.a[p] * (d * share);
             pdf += self.chance[p] * d;
         }
-        (value, pdf)
+        (value, short, pdf)
     }
 
     /// A direction with the density of [`Hair::eval`].
-    pub fn sample(&self, v: Vec3, u: f32, w: f32, pick: f32) -> Option<LocalSample> {
+    pub fn sample(&self, u: f32, w: f32, pick: f32) -> Option<LocalSample> {
         let (mut p, mut rest) = (0, pick);
         while p < P_MAX && rest >= self.chance[p] {
             rest -= self.chance[p];
@@ -203,7 +219,8 @@ impl Hair {
         let around = if p < P_MAX { self.turn(p) + sample_trimmed_logistic(w, self.s) } else { TAU * w };
         let (s, c) = (self.phi_o + around).sin_cos();
         let l = Vec3::new(sin_i, cos_i * c, cos_i * s);
-        let (value, pdf) = self.eval(v, l);
+        // As in Cycles the ratio of value and density is exact here.
+        let (value, _, pdf) = self.densities(l);
         // All but the outer reflection went through, as Cycles counts.
         let event = Some(if p == 0 { Event::Glossy } else { Event::Transmission });
         (pdf > 0.0).then_some(LocalSample { l, value, pdf, singular: false, event })

@@ -168,7 +168,7 @@ impl Lobe {
                 let d = s.pdf(l);
                 one(l, Vec3::splat(d * s.albedo), d)
             }
-            LobeKind::Hair(h) => h.sample(v, u, w, pick),
+            LobeKind::Hair(h) => h.sample(u, w, pick),
         }?;
         Some(LocalSample { l: self.frame.to_world(s.l), ..s })
     }
