@@ -28,7 +28,7 @@ pub fn export(scene: &Scene, folder: &Path) -> Result<(), String> {
                 let radiance = lamp.power / (std::f32::consts::PI * (size[0] * size[1]) as f32);
                 emitters.push(json!({"kind": "area", "size": size, "to_world": matrix(&lamp.transform), "radiance": rgb(radiance)}));
             }
-            LampShape::Point { radius, .. } if radius == 0.0 => {
+            LampShape::Point { radius: 0.0, .. } => {
                 let position = lamp.transform.point(DVec3::ZERO).to_array();
                 emitters.push(json!({"kind": "point", "position": position, "intensity": rgb(lamp.power / (4.0 * std::f32::consts::PI))}));
             }
