@@ -22,34 +22,48 @@ pub fn intersect_hair(s: &HairShape, ray: &LocalRay, sink: &mut impl HitSink) {
 /// Nearest crossing of a segment's ribbon: depth, place along, offset across. The ribbon is a strip of quadrilaterals that faces the ray: each
 /// joint stretches by the radius to both sides, square to the curve as the ray sees it, and neighbours share their joints.
 fn meet(s: &HairSegment, ray: &LocalRay, (x, y): (DVec3, DVec3), far: f64) -> Option<(f64, f64, f64)> {
-    let joint = |k: usize| {
-        let u = k as f64 / PIECES as f64;
-        let (p, t) = (s.at(u) - ray.origin, s.tangent(u));
-        // Tangent x direction of the ray, in (x, y); x, y and the ray's direction are right-handed.
-        let across = DVec2::new(t.dot(y), -t.dot(x)).normalize_or(DVec2::X);
-        (DVec2::new(p.dot(x), p.dot(y)), p.dot(ray.dir), across * s.radius(u))
+    // The curve as the ray sees it, at the origin and along z; x, y and its direction are right-handed.
+    let seen = s.points.map(|p| {
+        let p = p - ray.origin;
+        DVec3::new(p.dot(x), p.dot(y), p.dot(ray.dir))
+    });
+    // It stays among its Bézier points: most rays pass outside.
+    let (low, high) = seen.iter().fold((seen[0], seen[0]), |(l, h), p| (l.min(*p), h.max(*p)));
+    let most = s.radii[0].max(s.radii[1]);
+    if low.x > most || low.y > most || high.x < -most || high.y < -most || high.z <= 0.0 || low.z >= far {
+        return None;
+    }
+    let seen = HairSegment { points: seen, ..*s };
+    let place = |k: usize| k as f64 / PIECES as f64;
+    // Half the joint: tangent x direction of the ray, as long as the radius.
+    let across = |k: usize| {
+        let t = seen.tangent(place(k));
+        DVec2::new(t.y, -t.x).normalize_or(DVec2::X) * s.radius(place(k))
     };
     let mut best: Option<(f64, f64, f64)> = None;
-    let mut a = joint(0);
+    let mut a = seen.at(0.0);
     for k in 0..PIECES {
-        let b = joint(k + 1);
+        let (from, to) = (a, seen.at(place(k + 1)));
+        a = to;
+        if from.x.min(to.x) > most || from.y.min(to.y) > most || from.x.max(to.x) < -most || from.y.max(to.y) < -most {
+            continue;
+        }
         // Places w along the piece where the ray, at the origin, lies on the line across: (p + w dp) x (n + w dn) = 0.
-        let (p, dp, n, dn) = (a.0, b.0 - a.0, a.2, b.2 - a.2);
-        let [w0, w1] = quadratic(dp.perp_dot(dn), p.perp_dot(dn) + dp.perp_dot(n), p.perp_dot(n));
-        for w in [w0, w1] {
+        let (p, n) = (from.truncate(), across(k));
+        let (dp, dn) = (to.truncate() - p, across(k + 1) - n);
+        for w in quadratic(dp.perp_dot(dn), p.perp_dot(dn) + dp.perp_dot(n), p.perp_dot(n)) {
             if !(0.0..=1.0).contains(&w) {
                 continue;
             }
             let (at, half) = (p + dp * w, n + dn * w);
             let offset = -at.dot(half) / half.length_squared();
             let u = (k as f64 + w) / PIECES as f64;
-            let t = a.1 + (b.1 - a.1) * w;
+            let t = from.z + (to.z - from.z) * w;
             // A ray that leaves a hair does not meet it again.
             if offset.abs() <= 1.0 && t > 2.0 * s.radius(u) && t < best.map_or(far, |b| b.0) {
                 best = Some((t, u, offset));
             }
         }
-        a = b;
     }
     best
 }
