@@ -52,6 +52,11 @@ impl Motion {
         (keys.len() > 1).then(|| Self { keys: keys.iter().map(Key::new).collect(), rest: object.transform.inverted(), above: *above })
     }
 
+    /// Spans of equal time between its keys.
+    pub fn n_spans(&self) -> usize {
+        self.keys.len() - 1
+    }
+
     /// World at `time` (0..=1 over the shutter) from the world at rest. A key that cannot be inverted leaves the object at rest.
     pub fn at(&self, time: f64) -> Transform {
         let x = time.clamp(0.0, 1.0) * (self.keys.len() - 1) as f64;

@@ -203,10 +203,12 @@ impl<'s> Surface<'s> {
                 if *scale_xy || strength == 1.0 { Some(n) } else { (smooth + (n - smooth) * strength.max(0.0)).try_normalize() }
             }
             NormalInput::Bump { height, strength, distance, invert, base } => {
-                let n = base.as_ref().and_then(|b| self.bend(b, smooth)).unwrap_or(smooth);
-                let (picture, _) = height.picture.as_ref()?;
+                // What has no slope leaves the normal below it.
+                let below = base.as_ref().and_then(|b| self.bend(b, smooth));
+                let n = below.unwrap_or(smooth);
+                let Some((picture, _)) = height.picture.as_ref() else { return below };
                 // Differences over a texel, along the axes of the picture.
-                let (t, b, du, dv) = self.uv_gradients(picture)?;
+                let Some((t, b, du, dv)) = self.uv_gradients(picture) else { return below };
                 let size = &picture.texture.image;
                 let (eu, ev) = (1.0 / f64::from(size.width), 1.0 / f64::from(size.height));
                 let at = |x: f64, y: f64| {

@@ -1,10 +1,11 @@
 //! A scene made ready for the path integrator on the GPU: numbers, words and the shader's text. Twin: `shaders/path/bindings.wesl`.
 
-use super::super::buffers::{append, outward, v3};
+use super::super::buffers::{append, outward};
 use super::super::layout::PathParams;
 use super::super::shader::ShaderOptions;
 use super::super::tree_words::choose_walk;
-use super::geometry::{FaceTables, encode_faces, face_bits, object_words};
+use super::camera::{camera_params, camera_words, panorama_constants};
+use super::geometry::{FaceTables, OBJECT_WORDS, encode_faces, face_bits, object_words};
 use super::inputs::{Encoder, input_constants};
 use super::lights::{encode_lights, light_constants, tree_quads};
 use super::materials::{Room, encode_materials, material_constants};
@@ -42,6 +43,7 @@ impl PathBuffers {
         let mut tables = AlbedoTables::default();
         let mut room = Room::default();
         let mut p = camera_params(scene, plan, size);
+        camera_words(scene, &mut e, &mut p);
         let (materials_at, clear) = encode_materials(&plan.shaders, &mut e, &mut tables, &mut room)?;
         p.materials_at = materials_at;
         p.mirror_at = tables.fill(&mut e.words);
@@ -68,41 +70,6 @@ impl PathBuffers {
     }
 }
 
-fn camera_params(scene: &CompiledScene, plan: &PathPlan, [width, height]: [u32; 2]) -> PathParams {
-    let (c, s) = (&scene.camera, &plan.settings);
-    let mut p = PathParams {
-        location: v3(c.location),
-        direction: v3(c.direction),
-        right: v3(c.right),
-        up: v3(c.up),
-        width: width as f32,
-        height: height as f32,
-        seed: plan.seed,
-        max_bounces: s.max_bounces,
-        diffuse_bounces: s.diffuse_bounces,
-        glossy_bounces: s.glossy_bounces,
-        transmission_bounces: s.transmission_bounces,
-        transparent_bounces: s.transparent_bounces,
-        min_light_bounces: s.min_light_bounces,
-        min_transparent_bounces: s.min_transparent_bounces,
-        clamp_direct: s.clamp_direct,
-        clamp_indirect: s.clamp_indirect,
-        filter_glossy: s.filter_glossy,
-        exposure: s.exposure,
-        ..PathParams::default()
-    };
-    if let Some(l) = plan.camera.lens() {
-        let axis = c.right.cross(c.up).normalize_or_zero();
-        p.axis = v3(if axis.dot(c.direction) < 0.0 { -axis } else { axis });
-        p.lens_radius = l.radius as f32;
-        p.focus_distance = l.focus_distance as f32;
-        p.lens_blades = l.blades;
-        p.lens_rotation = l.rotation_rad as f32;
-        p.lens_ratio = l.ratio as f32;
-    }
-    p
-}
-
 fn shader_options(
     scene: &CompiledScene,
     plan: &PathPlan,
@@ -120,6 +87,10 @@ fn shader_options(
     let features = [
         ("lens", plan.camera.lens().is_some()),
         ("orthographic", matches!(scene.camera.projection, Projection::Orthographic)),
+        ("open_shutter", plan.has_motion),
+        ("still", s.still),
+        ("motion", faces.has_motion),
+        ("holes", faces.bits & face_bits::HOLDOUT != 0),
         ("smooth_faces", faces.bits & face_bits::SMOOTH != 0),
         ("face_flags", faces.bits & seen_by_all != 0 || has_clear),
         ("clear_faces", has_clear),
@@ -156,13 +127,15 @@ fn name_constants(o: &mut ShaderOptions, room: Room, nodes_at: u32) {
         ("FACE_UNSEEN", face_bits::UNSEEN),
         ("FACE_NO_SHADOW", face_bits::NO_SHADOW),
         ("FACE_CLEAR", face_bits::CLEAR),
+        ("FACE_HOLDOUT", face_bits::HOLDOUT),
+        ("OBJECT_WORDS", OBJECT_WORDS),
     ];
     constants.iter().for_each(|(name, v)| o.constant(name, *v));
     o.constant("LEAST_SOLID_ANGLE", LEAST_SOLID_ANGLE);
     for (prefix, names) in [("LOBE", LOBES), ("FRESNEL", FRESNELS)] {
         (0u32..).zip(names).for_each(|(k, n)| o.constant(&format!("{prefix}_{n}"), k));
     }
-    for (name, v) in input_constants().into_iter().chain(material_constants()).chain(light_constants()) {
+    for (name, v) in input_constants().into_iter().chain(material_constants()).chain(light_constants()).chain(panorama_constants()) {
         o.constant(&name, v);
     }
 }
@@ -207,6 +180,12 @@ mod tests {
             &["any_light", "env_sampled", "environment", "env_picture", "mirror_ball"],
             &["any_light", "env_sampled", "environment", "sky", "sky_sun", "many_kinds"],
             &["texels", "uv", "corner_colors", "bent", "bumps"],
+            &["panorama"],
+            &["open_shutter", "camera_motion", "lens"],
+            &["open_shutter", "still", "motion", "smooth_faces", "face_flags", "any_light", "light_tree", "emitters", "plain_emission"],
+            &["open_shutter", "motion", "texels", "uv", "bent", "uv_tangents", "anisotropic", "microfacets", "metal", "principled"],
+            &["holes"],
+            &["principled", "microfacets", "panes", "passes", "coat", "face_flags", "clear_faces", "any_light", "lamps", "balls"],
             &["texels", "uv", "more_uvs", "bent"],
             &["texels", "uv", "bent", "uv_tangents", "anisotropic", "microfacets", "metal", "principled"],
             &["principled"],
@@ -231,7 +210,7 @@ mod tests {
             validates(set).unwrap_or_else(|e| panic!("{set:?}: {e}"));
         }
         let mut all: Vec<&str> = sets.concat();
-        all.retain(|f| !["orthographic", "sky", "mirror_ball"].contains(f));
+        all.retain(|f| !["orthographic", "panorama", "sky", "mirror_ball"].contains(f));
         validates(&all).expect("all at once");
         // What cannot be: closures that call what is not there.
         assert!(validates(&["plain_glass"]).is_err());

@@ -2,13 +2,14 @@
 //! Twins: `shaders/path/surface.wesl`, `shaders/path/scene.wesl`.
 
 use super::super::tree_words::{TreeWords, structure_of};
-use crate::accel::{Accel, AccelKind, TrianglePrims};
+use super::motion::Keys;
+use crate::accel::{Accel, AccelKind, PrimSet, TrianglePrims};
 use crate::backend::BackendError;
 use crate::compile::geometry::{Prim, PrimKind, prim_flags};
 use crate::compile::texture::TextureNode;
 use crate::compile::{CompiledScene, NONE};
 use crate::integrate::path::PathPlan;
-use crate::math::{DVec3, Transform, Vec3};
+use crate::math::{Bounds, DVec3, Transform, Vec3};
 use std::collections::HashMap;
 
 /// Bits of a face's first word, beside its material.
@@ -23,13 +24,15 @@ pub(super) mod face_bits {
     pub const NO_SHADOW: u32 = 1 << 28;
     /// Shadow rays go on behind it.
     pub const CLEAR: u32 = 1 << 29;
+    /// The camera sees a hole in the film.
+    pub const HOLDOUT: u32 = 1 << 30;
 }
 
 /// Faces and their tree, in the tree's order.
 #[derive(Default)]
 pub(super) struct FaceTables {
     pub tree: TreeWords,
-    /// Three corners a face.
+    /// Three corners a face, then the keys of those that move (`shaders/path/corners.wesl`).
     pub corners: Vec<[f32; 4]>,
     /// What hangs on corners: normals, coordinates, colours.
     pub hung: Vec<u32>,
@@ -41,6 +44,8 @@ pub(super) struct FaceTables {
     pub high: Vec3,
     /// Bits of any face.
     pub bits: u32,
+    /// Some face moves.
+    pub has_motion: bool,
 }
 
 /// One face before it is put in order.
@@ -48,6 +53,30 @@ struct Face {
     prim_ix: u32,
     face_ix: u32,
     material: u32,
+}
+
+/// Faces of which some move: boxes hold every place of them.
+struct PlacedFaces<'a> {
+    still: TrianglePrims<'a>,
+    /// By face; empty for one that stands still.
+    moving: HashMap<u32, Bounds>,
+}
+
+impl PrimSet for PlacedFaces<'_> {
+    fn len(&self) -> usize {
+        self.still.len()
+    }
+
+    fn bounds(&self, k: usize) -> Bounds {
+        self.moving.get(&(k as u32)).copied().unwrap_or_else(|| self.still.bounds(k))
+    }
+
+    fn clipped_bounds(&self, k: usize, cell: &Bounds) -> Bounds {
+        match self.moving.get(&(k as u32)) {
+            Some(b) => b.intersection(*cell),
+            None => self.still.clipped_bounds(k, cell),
+        }
+    }
 }
 
 /// Writes out all faces. `clear`: by material, whether shadow rays go on behind it. `objects`: place of each primitive's words.
@@ -61,24 +90,35 @@ pub(super) fn encode_faces(
 ) -> Result<FaceTables, BackendError> {
     let g = &scene.geometry;
     let (mut vertices, mut faces, mut list) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut keys, mut moving) = (HashMap::new(), HashMap::new());
     for (prim_ix, prim) in g.prims.iter().enumerate().filter(|(_, p)| p.flags & prim_flags::HIDDEN == 0) {
         debug_assert!(matches!(prim.kind, PrimKind::Mesh | PrimKind::BicubicPatch), "the others were refused");
         let shape = &g.shapes.meshes[prim.shape_ix as usize];
         let t = &g.transforms[prim.transform_ix as usize];
         let first = vertices.len() as u32;
+        let own = Keys::of(scene, prim);
         vertices.extend(shape.mesh.vertices.iter().map(|v| t.point(v.as_dvec3()).as_vec3()));
         for (face_ix, corners) in shape.mesh.faces.iter().enumerate() {
             let material = material_of(scene, prim, face_ix)?;
+            if let Some(own) = &own {
+                let all = (0..own.places.len()).flat_map(|k| own.corners(scene, prim, face_ix as u32, k));
+                moving.insert(faces.len() as u32, Bounds::from_points(all.map(|p| p.as_dvec3())));
+            }
             faces.push(turned(t, corners.map(|v| first + v)));
             list.push(Face { prim_ix: prim_ix as u32, face_ix: face_ix as u32, material });
         }
+        keys.extend(own.map(|own| (prim_ix as u32, own)));
     }
     let n = faces.len() as u32;
-    let tree = structure_of(kind, &Accel::Brute(n), &TrianglePrims { vertices: &vertices, faces: &faces });
+    let prims = PlacedFaces { still: TrianglePrims { vertices: &vertices, faces: &faces }, moving };
+    let tree = structure_of(kind, &Accel::Brute(n), &prims);
     let mut out = FaceTables { low: Vec3::splat(f32::MAX), high: Vec3::splat(f32::MIN), ..FaceTables::default() };
-    for v in faces.iter().flatten().map(|k| vertices[*k as usize]) {
+    let places = prims.moving.values().flat_map(|b| [b.min.as_vec3(), b.max.as_vec3()]);
+    for v in faces.iter().flatten().map(|k| vertices[*k as usize]).chain(places) {
         (out.low, out.high) = (out.low.min(v), out.high.max(v));
     }
+    out.has_motion = !keys.is_empty();
+    let mut of_keys: Vec<[f32; 4]> = Vec::new();
     let emitter_of: HashMap<(u32, u32), u32> =
         plan.lights.emitters.list.iter().enumerate().map(|(k, e)| ((e.prim_ix, e.face_ix), k as u32)).collect();
     out.emitters = vec![0; plan.lights.emitters.list.len()];
@@ -92,11 +132,25 @@ pub(super) fn encode_faces(
             out.emitters[k as usize] = out.faces.len() as u32;
             bits |= if plan.lights.emitters.list[k as usize].front_only { face_bits::FRONT_ONLY } else { 0 };
         }
-        out.corners.extend(faces[*ix as usize].map(|v| vertices[v as usize].extend(0.0).to_array()));
+        let holdout = g.objects.get(prim.object_ix as usize).is_some_and(|o| o.traits.holdout);
+        bits |= if holdout { face_bits::HOLDOUT } else { 0 };
+        let mut fourth = [0.0; 3];
+        if let Some(own) = keys.get(&prim_ix) {
+            let normals = normals_of(scene, prim, face_ix);
+            fourth = [n as f32 + (of_keys.len() / 3) as f32, (own.places.len() - 1) as f32, if normals.is_some() { 2.0 } else { 1.0 }];
+            for (k, t) in own.places.iter().enumerate() {
+                let corners = Some(own.corners(scene, prim, face_ix, k)).into_iter();
+                let all = corners.chain(normals.map(|ix| own.normals(scene, prim, ix, k)));
+                of_keys.extend(all.flat_map(|v| turned(t, v)).map(|v| v.extend(0.0).to_array()));
+            }
+        }
+        let corners = faces[*ix as usize].map(|v| vertices[v as usize]);
+        out.corners.extend(corners.iter().zip(fourth).map(|(v, w)| v.extend(w).to_array()));
         let object_at = objects.get(&prim_ix).copied().unwrap_or(0);
         out.faces.push([material | bits, hung_at, object_at, emitter.map_or(0, |k| k + 1)]);
         out.bits |= bits;
     }
+    out.corners.extend(of_keys);
     out.tree = tree;
     Ok(out)
 }
@@ -104,6 +158,12 @@ pub(super) fn encode_faces(
 /// Corners so that the front is where the object's own goes: a mirror turns them round.
 fn turned<T: Copy>(t: &Transform, [a, b, c]: [T; 3]) -> [T; 3] {
     if t.forward.matrix3.determinant() < 0.0 { [a, c, b] } else { [a, b, c] }
+}
+
+/// Normals of a smooth face's corners, into the mesh's.
+fn normals_of(scene: &CompiledScene, prim: &Prim, face_ix: u32) -> Option<[u32; 3]> {
+    let mesh = &scene.geometry.shapes.meshes[prim.shape_ix as usize].mesh;
+    mesh.normal_indices.get(face_ix as usize).filter(|n| n[0] != u32::MAX).copied()
 }
 
 /// Into `TextureTables::principled`.
@@ -140,7 +200,7 @@ fn hang(scene: &CompiledScene, prim: &Prim, face_ix: u32, more_uvs: usize, words
     let mesh = &g.shapes.meshes[prim.shape_ix as usize].mesh;
     let t = &g.transforms[prim.transform_ix as usize];
     let (at, mut bits, face) = (words.len() as u32, 0, face_ix as usize);
-    if let Some(ix) = mesh.normal_indices.get(face).filter(|n| n[0] != u32::MAX) {
+    if let Some(ix) = normals_of(scene, prim, face_ix) {
         bits |= face_bits::SMOOTH;
         let normal = |k: u32| t.normal(mesh.normals.get(k as usize).map_or(DVec3::ZERO, |n| n.as_dvec3())).as_vec3();
         words.extend(turned(t, ix.map(normal)).iter().flat_map(|n| n.to_array()).map(f32::to_bits));
@@ -164,10 +224,21 @@ fn hang(scene: &CompiledScene, prim: &Prim, face_ix: u32, more_uvs: usize, words
     (at, bits)
 }
 
-/// Words of an object as tangents look at it: two rows of the map to its box (-0.5..0.5), two columns of the map of normals.
+/// Words of an object in one place.
+pub(super) const OBJECT_WORDS: u32 = 14;
+
+/// Words of an object as tangents look at it: two rows of the map to its box (-0.5..0.5), two columns of the map of normals; of one that
+/// moves so many for each key.
 pub(super) fn object_words(scene: &CompiledScene, prim: &Prim) -> Vec<u32> {
+    let places = match Keys::of(scene, prim) {
+        Some(keys) => keys.places,
+        None => vec![scene.geometry.transforms[prim.transform_ix as usize]],
+    };
+    places.iter().flat_map(|t| words_of_place(scene, prim, t)).collect()
+}
+
+fn words_of_place(scene: &CompiledScene, prim: &Prim, t: &Transform) -> Vec<u32> {
     let g = &scene.geometry;
-    let t = &g.transforms[prim.transform_ix as usize];
     let b = &g.shapes.meshes[prim.shape_ix as usize].bounds;
     let (center, size) = (0.5 * (b.min + b.max), (b.max - b.min).max(DVec3::splat(1e-12)));
     let m = t.inverse.matrix3;
@@ -176,5 +247,7 @@ pub(super) fn object_words(scene: &CompiledScene, prim: &Prim) -> Vec<u32> {
         [row.x, row.y, row.z, (t.inverse.translation[k] - center[k]) / size[k]]
     });
     let columns = [DVec3::X, DVec3::Y].into_iter().flat_map(|n| t.normal(n).to_array());
-    rows.chain(columns).map(|v| (v as f32).to_bits()).collect()
+    let words: Vec<u32> = rows.chain(columns).map(|v| (v as f32).to_bits()).collect();
+    debug_assert_eq!(words.len() as u32, OBJECT_WORDS);
+    words
 }

@@ -24,6 +24,8 @@ const LOOK_LINEAR: u32 = 2;
 const LOOK_LATE: u32 = 4;
 const LOOK_PREMULTIPLIED: u32 = 8;
 const EDGES: [&str; 4] = ["EDGE_REPEAT", "EDGE_MIRROR", "EDGE_CLAMP", "EDGE_CLIP"];
+/// Words of a bump: height, strength, distance, inverted.
+const BUMP_WORDS: u32 = 7;
 /// The corners' colours multiply.
 const CORNER_COLORS: u32 = 1 << 31;
 
@@ -34,8 +36,13 @@ pub(super) fn input_constants() -> Vec<(String, u32)> {
         at += len;
         (format!("LOOK_{name}"), at - len)
     });
-    let flags =
-        [("LOOK_SRGB", LOOK_SRGB), ("LOOK_LINEAR", LOOK_LINEAR), ("LOOK_LATE", LOOK_LATE), ("LOOK_PREMULTIPLIED", LOOK_PREMULTIPLIED)];
+    let flags = [
+        ("BUMP_WORDS", BUMP_WORDS),
+        ("LOOK_SRGB", LOOK_SRGB),
+        ("LOOK_LINEAR", LOOK_LINEAR),
+        ("LOOK_LATE", LOOK_LATE),
+        ("LOOK_PREMULTIPLIED", LOOK_PREMULTIPLIED),
+    ];
     let edges = (0..).zip(EDGES).map(|(k, n)| (n.to_owned(), k));
     places.chain(flags.map(|(n, v)| (n.to_owned(), v))).chain(edges).collect()
 }
@@ -96,15 +103,17 @@ impl Encoder {
                 let [a, b] = self.scalar(strength)?;
                 vec![0, picture, a, b, u32::from(*scale_xy)]
             }
-            NormalInput::Bump { height, strength, distance, invert, base } => {
-                if matches!(base.as_deref(), Some(NormalInput::Bump { .. })) {
-                    return refused("bumps on bumps");
+            NormalInput::Bump { .. } => {
+                self.features.extend(["bumps", "texels"]);
+                // From the top down, the map below them all last.
+                let (mut bumps, mut below) = (Vec::new(), Some(n));
+                while let Some(NormalInput::Bump { height, strength, distance, invert, base }) = below {
+                    let (h, s, d) = (self.scalar(height)?, self.scalar(strength)?, self.scalar(distance)?);
+                    bumps.push([h[0], h[1], s[0], s[1], d[0], d[1], u32::from(*invert)]);
+                    below = base.as_deref();
                 }
-                self.features.insert("bumps");
-                self.features.insert("texels");
-                let base = self.normal(base.as_deref())?;
-                let (h, s, d) = (self.scalar(height)?, self.scalar(strength)?, self.scalar(distance)?);
-                vec![1, h[0], h[1], s[0], s[1], d[0], d[1], u32::from(*invert), base]
+                let map = self.normal(below)?;
+                [1, map, bumps.len() as u32].into_iter().chain(bumps.iter().rev().flatten().copied()).collect()
             }
         };
         Ok(append(&mut self.words, w))

@@ -31,6 +31,7 @@ const PRINCIPLED: &[(&str, u32)] = &[
     ("TANGENT", 1),
     ("TRANSMISSION", 2),
     ("GLASS", 3),
+    ("PANE", 1),
     ("COAT_WEIGHT", 2),
     ("COAT_ROUGHNESS", 2),
     ("COAT", 2),
@@ -44,7 +45,8 @@ const PRINCIPLED: &[(&str, u32)] = &[
     ("FILM_THICKNESS", 2),
     ("FILM_IOR", 2),
 ];
-const CLOSURES: [&str; 9] = ["PRINCIPLED", "EMISSION", "TRANSPARENT", "DIFFUSE", "TRANSLUCENT", "SHEEN", "GLOSSY", "GLASS", "REFRACTION"];
+const CLOSURES: [&str; 10] =
+    ["PRINCIPLED", "EMISSION", "TRANSPARENT", "DIFFUSE", "TRANSLUCENT", "SHEEN", "GLOSSY", "GLASS", "REFRACTION", "HOLDOUT"];
 const MIXES: [&str; 4] = ["SCALAR", "FRESNEL", "FACING", "BACK"];
 const STEPS: [&str; 4] = ["CLOSURE", "MIX", "ADD", "BACK"];
 /// Words of a material before its steps: bits, emission of front and back, number of steps.
@@ -286,7 +288,10 @@ impl Steps<'_> {
             }
             Closure::Subsurface { .. } => return refused("subsurface light"),
             Closure::Hair(_) => return refused("hair"),
-            Closure::Holdout => return refused("holdouts"),
+            Closure::Holdout => {
+                self.need("holes");
+                vec![kind("HOLDOUT")]
+            }
             Closure::Mix { .. } | Closure::Add(..) => unreachable!("they are steps"),
         };
         Ok(append(&mut self.e.words, w))
@@ -303,9 +308,6 @@ impl Steps<'_> {
     }
 
     fn principled(&mut self, p: &PrincipledClosure) -> Result<u32, BackendError> {
-        if p.thin_walled && !is_zero(&p.transmission_weight) {
-            return refused("thin walls");
-        }
         if !is_zero(&p.subsurface_weight) {
             return refused("subsurface light");
         }
@@ -313,8 +315,8 @@ impl Steps<'_> {
         self.room.lobes += 1;
         let uses = [
             (&p.metallic, "metal", true),
-            (&p.transmission_weight, "principled_glass", true),
-            (&p.transmission_weight, "refraction", false),
+            (&p.transmission_weight, if p.is_pane() { "panes" } else { "principled_glass" }, true),
+            (&p.transmission_weight, if p.is_pane() { "passes" } else { "refraction" }, false),
             (&p.coat_weight, "coat", true),
             (&p.sheen_weight, "sheen", true),
             (&p.emission_strength, "principled_emission", false),
@@ -353,7 +355,13 @@ impl Steps<'_> {
         let coat_ior = self.constant(&p.coat_ior, "pictures as indices of refraction")?.max(1.0);
         let coat_table =
             if is_zero(&p.coat_weight) { 0 } else { self.tables.dielectric(coat_ior, Some(&p.coat_roughness), &mut self.e.words) };
-        let glass = if is_zero(&p.transmission_weight) { [0; 3] } else { self.glass_words(p.distribution, &p.ior, &p.roughness)? };
+        let glass = if is_zero(&p.transmission_weight) {
+            [0; 3]
+        } else if p.is_pane() {
+            [ior.to_bits(), self.tables.dielectric(ior, Some(&p.roughness), &mut self.e.words), 0]
+        } else {
+            self.glass_words(p.distribution, &p.ior, &p.roughness)?
+        };
         let multi = u32::from(p.distribution == Distribution::MultiGgx);
         let normal = self.e.normal(p.normal.as_deref())?;
         let coat_normal = self.e.normal(p.coat_normal.as_deref())?;
@@ -373,6 +381,7 @@ impl Steps<'_> {
         w.push(if is_zero(&p.anisotropic) { 0 } else { e.tangent(p.tangent) });
         w.extend(e.scalar(&p.transmission_weight)?);
         w.extend(glass);
+        w.push(u32::from(p.is_pane()));
         w.extend(e.scalar(&p.coat_weight)?);
         w.extend(e.scalar(&p.coat_roughness)?);
         w.extend([n(coat_ior), coat_table]);

@@ -3,10 +3,12 @@
 
 mod adaptive;
 mod buffers;
+mod camera;
 mod geometry;
 mod inputs;
 mod lights;
 mod materials;
+mod motion;
 mod support;
 mod tables;
 

@@ -20,12 +20,15 @@ pub(super) fn first_obstacle(scene: &CompiledScene, plan: &PathPlan) -> Option<S
     let listed = [
         (shown().any(|p| plain(g.surfaces[p.surface_ix as usize].texture) || of_mesh(p)), "POV-Ray's textures"),
         (shown().any(|p| p.clip_len > 0 || p.flags & (prim_flags::BOUNDED | prim_flags::INVERTED) != 0), "clipped meshes"),
-        (crate::integrate::path::makes_holes(scene), "holdouts and shadow catchers"),
-        (plan.has_motion, "motion blur"),
+        (crate::integrate::path::has_catchers(scene), "shadow catchers"),
         (plan.has_volumes, "volumes"),
         (!plan.lights.plain.is_empty(), "light sources of POV-Ray"),
         (matches!(plan.lights.environment.kind, Kind::Pov), "POV-Ray's sky"),
-        (!matches!(scene.camera.projection, Projection::Perspective | Projection::Orthographic), "panoramas"),
+        (!is_done(&scene.camera.projection), "POV-Ray's cameras"),
     ];
     listed.iter().find(|(holds, _)| *holds).map(|(_, what)| format!("path tracing of {what}"))
+}
+
+fn is_done(p: &Projection) -> bool {
+    matches!(p, Projection::Perspective | Projection::Orthographic | Projection::Panorama(_) | Projection::Fisheye { .. })
 }
