@@ -5,8 +5,9 @@ use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
 use super::material_buffers::{encode_materials, material_constants};
 use super::mesh_buffers::{Boxes, MeshWords, encode_meshes};
 use super::shader::ShaderOptions;
-use super::support::{FanOut, KINDS, fan_out};
-use super::texture_buffers::{TextureRoots, TextureWords, encode_textures};
+use super::shape_buffers::{encode_shape, shape_constants};
+use super::support::{FanOut, KINDS, PLACED, fan_out, roots};
+use super::texture_buffers::{TextureWords, encode_textures};
 use super::tree_words::{choose_walk, has_lists, structure_of, words_per_element};
 use crate::accel::AccelKind;
 use crate::backend::BackendError;
@@ -19,6 +20,7 @@ use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE};
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Vec3};
 use crate::savings::Saving;
 use crate::scene::light::{Fade, LightKind};
+use std::collections::BTreeSet;
 
 /// Everything of a scene, encoded.
 pub(super) struct SceneBuffers {
@@ -64,7 +66,7 @@ pub(super) fn bits<const N: usize>(v: [f32; N]) -> [u32; N] {
     v.map(f32::to_bits)
 }
 
-fn bits3(v: DVec3) -> [u32; 3] {
+pub(super) fn bits3(v: DVec3) -> [u32; 3] {
     bits(v3(v))
 }
 
@@ -77,13 +79,14 @@ pub(super) fn outward(b: &Bounds) -> ([f32; 3], [f32; 3]) {
 }
 
 /// Features that a shader may hold for scenes that do not use them.
-const SPARE: [&str; 8] = ["reflection", "highlights", "irid", "normals", "uv", "solid_mesh", "cutaway", "bounded_by"];
+const SPARE: [&str; 10] =
+    ["reflection", "highlights", "irid", "normals", "uv", "solid_mesh", "cutaway", "bounded_by", "programs", "unbounded"];
 
 impl SceneBuffers {
     /// Encodes `scene`, with structures of kind `kind`, for a picture that `plan` was made for.
     pub fn new(scene: &CompiledScene, plan: &ScenePlan, kind: AccelKind) -> Result<Self, BackendError> {
         let g = &scene.geometry;
-        let mut textures = encode_textures(&scene.textures, &TextureRoots::of_scene(scene), !plan.quality.normals)?;
+        let mut textures = encode_textures(&scene.textures, &roots(scene), !plan.quality.normals)?;
         let mut words = vec![0];
         let meshes = encode_meshes(scene, kind, &textures, &mut words)?;
         let mut params = scene_params(scene);
@@ -178,9 +181,14 @@ impl SceneBuffers {
         let mut o = self.textures.shader.clone();
         let all = !scene.options.savings.has(Saving::Shaders);
         for (kind, name) in KINDS {
-            o.feature_if(name, all || f.prim_kinds & (1 << *kind as u32) != 0);
+            // Without functions there is nothing that an isosurface could call.
+            let may_be = *kind != PrimKind::Isosurface;
+            o.feature_if(name, all && may_be || f.prim_kinds & (1 << *kind as u32) != 0);
         }
         let face_covers = g.shapes.meshes.iter().any(|m| !m.mesh.face_textures.is_empty());
+        // Components of a blob that go without texture show the object's.
+        let of_blob = |b: &crate::compile::shape::BlobShape| b.textures.iter().collect::<BTreeSet<_>>().len() as u32;
+        let blob_covers = g.shapes.blobs.iter().map(of_blob).max().unwrap_or(0);
         let cutaway = g.objects.iter().map(|o| o.cutaway.len()).max().unwrap_or(0) as u32;
         let solid_mesh = f.prim_kinds & (1 << PrimKind::Mesh as u32) != 0 && g.shapes.meshes.iter().any(|m| m.mesh.inside_vector.is_some());
         let features = [
@@ -197,13 +205,17 @@ impl SceneBuffers {
             ("uv", f.uv),
             ("solid_mesh", solid_mesh),
             ("face_covers", face_covers),
+            ("blob_covers", blob_covers > 1),
+            ("places", PLACED.iter().any(|k| all || f.prim_kinds & (1 << *k as u32) != 0)),
             ("cutaway", cutaway > 0),
+            ("unbounded", !g.unbounded.is_empty()),
+            ("programs", f.clip_programs || cutaway > 0 || g.prims.iter().any(|p| p.flags & prim_flags::BOUNDED != 0)),
             ("bounded_by", g.prims.iter().any(|p| p.flags & prim_flags::BOUNDED != 0)),
             ("principled", f.principled),
             ("image_words", !self.textures.image_words.is_empty()),
         ];
         features.iter().for_each(|(name, holds)| o.feature_if(name, *holds || all && SPARE.contains(name)));
-        let covers = cutaway.max(if face_covers { 3 } else { 1 });
+        let covers = cutaway.max(if face_covers { 3 } else { 1 }).max(blob_covers);
         let fan = self.textures.textures.iter().enumerate().filter(|(_, at)| **at != 0).map(|(ix, _)| fan_out(scene, ix as u32));
         let fan = fan.fold(FanOut::default(), |a, b| FanOut {
             leaves: a.leaves.max(b.leaves),
@@ -240,17 +252,6 @@ impl SceneBuffers {
             ("FLAG_UV_MAPPING", prim_flags::UV_MAPPING),
             ("FLAG_TRANSPARENT", prim_flags::TRANSPARENT),
             ("FLAG_INSIDE_ONLY", prim_flags::INSIDE_ONLY),
-            ("KIND_SPHERE", PrimKind::Sphere as u32),
-            ("KIND_BOX", PrimKind::Box as u32),
-            ("KIND_CYLINDER", PrimKind::Cylinder as u32),
-            ("KIND_CONE", PrimKind::Cone as u32),
-            ("KIND_PLANE", PrimKind::Plane as u32),
-            ("KIND_DISC", PrimKind::Disc as u32),
-            ("KIND_TORUS", PrimKind::Torus as u32),
-            ("KIND_TRIANGLE", PrimKind::Triangle as u32),
-            ("KIND_MESH", PrimKind::Mesh as u32),
-            ("KIND_GLYPH", PrimKind::Glyph as u32),
-            ("KIND_POLYGON", PrimKind::Polygon as u32),
             ("LIGHT_POINT", LIGHT_POINT),
             ("LIGHT_SPOT", LIGHT_SPOT),
             ("LIGHT_CYLINDER", LIGHT_CYLINDER),
@@ -267,6 +268,7 @@ impl SceneBuffers {
         for (code, name) in STEP_NAMES.iter().enumerate() {
             o.constant(name, code as u32);
         }
+        shape_constants().iter().for_each(|(name, v)| o.constant(name, *v));
         material_constants().into_iter().for_each(|(name, v)| o.constant(&name, v));
         let irid = scene.settings.irid_wavelength;
         let numbers = [
@@ -400,7 +402,7 @@ fn encode_prims(scene: &CompiledScene, plan: &ScenePlan, textures: &TextureWords
         let kind = if p.kind == PrimKind::BicubicPatch { PrimKind::Mesh } else { p.kind };
         out.push(Prim {
             kind: kind as u32,
-            shape_at: encode_shape(scene, p, meshes, words),
+            shape_at: encode_shape(scene, p, meshes, &textures.textures, words),
             transform_ix: p.transform_ix,
             surface_at: surfaces[p.surface_ix as usize],
             interior_ix: if p.interior_ix == NONE { 0 } else { p.interior_ix },
@@ -449,49 +451,6 @@ fn encode_object(
         })
         .collect();
     [bounded_at, append(words, std::iter::once(parts.len() as u32 / 4).chain(parts))]
-}
-
-/// Words of one shape, as `intersect.wesl` reads them; meshes stand already.
-fn encode_shape(scene: &CompiledScene, p: &crate::compile::geometry::Prim, meshes: &MeshWords, words: &mut Vec<u32>) -> u32 {
-    let (s, ix) = (&scene.geometry.shapes, p.shape_ix as usize);
-    let n = |v: f64| (v as f32).to_bits();
-    let new = match p.kind {
-        PrimKind::Sphere => {
-            let s = &s.spheres[ix];
-            [&bits3(s.center)[..], &[n(s.radius), s.uv_transform_ix], &bits3(s.uv_center)].concat()
-        }
-        PrimKind::Box => [bits3(s.boxes[ix].min), bits3(s.boxes[ix].max)].concat(),
-        PrimKind::Cylinder => vec![u32::from(s.cylinders[ix].open)],
-        PrimKind::Cone => vec![n(s.cones[ix].low), u32::from(s.cones[ix].open)],
-        PrimKind::Plane => [&bits3(s.planes[ix].normal)[..], &[n(s.planes[ix].distance)]].concat(),
-        PrimKind::Disc => vec![n(s.discs[ix].radius_sq), n(s.discs[ix].hole_sq)],
-        PrimKind::Torus => vec![n(s.tori[ix].major), n(s.tori[ix].minor)],
-        PrimKind::Triangle => {
-            let t = &s.triangles[ix];
-            let corners = t.vertices.map(bits3).concat();
-            [&corners[..], &bits3(t.normal), &[n(t.distance), u32::from(t.smooth)], &t.normals.map(bits3).concat()].concat()
-        }
-        PrimKind::Mesh | PrimKind::BicubicPatch => return meshes.places[ix],
-        PrimKind::Glyph => {
-            let g = &s.glyphs[ix];
-            let head = [g.depth, g.min.x, g.min.y, g.max.x, g.max.y].map(n);
-            [&head[..], &outline(&g.segments)].concat()
-        }
-        PrimKind::Polygon => {
-            let p = &s.polygons[ix];
-            let head = [p.origin, p.u, p.v, p.normal].map(bits3).concat();
-            [&head[..], &outline(&p.segments)].concat()
-        }
-        _ => Vec::new(),
-    };
-    append(words, new)
-}
-
-/// Number of pieces, and of each start, end, factors of w² and w; lines and parabolas only, as letters and polygons have them.
-fn outline(segments: &[crate::compile::shape::curve::CurveSegment]) -> Vec<u32> {
-    let pair = |v: crate::math::DVec2| [(v.x as f32).to_bits(), (v.y as f32).to_bits()];
-    let piece = |s: &crate::compile::shape::curve::CurveSegment| [pair(s.c[3]), pair(s.at(1.0)), pair(s.c[1]), pair(s.c[2])].concat();
-    std::iter::once(segments.len() as u32).chain(segments.iter().flat_map(piece)).collect()
 }
 
 fn transform(t: &crate::math::Transform) -> Transform {

@@ -90,6 +90,7 @@ impl Gpu {
     fn open(adapter: &wgpu::Adapter) -> Result<Self, BackendError> {
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("rayloom"),
+            required_features: adapter.features() & wgpu::Features::SHADER_F64,
             required_limits: adapter.limits(),
             memory_hints: wgpu::MemoryHints::Performance,
             ..Default::default()
@@ -106,6 +107,11 @@ impl Gpu {
         });
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| keep(&uncaptured, e.to_string())));
         Ok(Self { device, queue, info: adapter.get_info(), fault })
+    }
+
+    /// Whether shaders may use numbers of 64 bits: the feature `double` of those that solve for roots.
+    pub fn has_double(&self) -> bool {
+        self.device.features().contains(wgpu::Features::SHADER_F64)
     }
 
     /// "NVIDIA H100 (Vulkan)".

@@ -15,6 +15,7 @@ mod path;
 pub mod probe;
 pub mod ray_bench;
 pub mod shader;
+mod shape_buffers;
 mod support;
 pub mod texture_buffers;
 mod texture_encoder;

@@ -128,6 +128,7 @@ impl<'g> RayBench<'g> {
         options.feature_if("only_mesh", self.only_mesh);
         options.feature_if("shadow_rays", any_hit);
         options.feature_if("count_steps", count);
+        options.feature_if("double", self.gpu.has_double());
         let text = assemble("bench/trace_rays", &options)?;
         let pipeline = self.gpu.compute_pipeline("trace_rays", &text, "trace_rays", &[&self.layouts[0], &self.layouts[1]])?;
         let input = self.gpu.storage_buffer("bench rays", cast_slice(rays))?;

@@ -1,6 +1,7 @@
 //! What the GPU declines. Everything here gives one line that names the feature; the caller renders on the CPU instead.
 //! UNSUPPORTED.md has the same list, under "GPU".
 
+use super::texture_buffers::{TextureRoots, encode_textures};
 use crate::backend::BackendError;
 use crate::compile::geometry::{PrimKind, prim_flags};
 use crate::compile::texture::TextureNode;
@@ -21,34 +22,66 @@ pub(super) const KINDS: &[(PrimKind, &str)] = &[
     (PrimKind::BicubicPatch, "mesh"),
     (PrimKind::Glyph, "glyph"),
     (PrimKind::Polygon, "polygon"),
+    (PrimKind::Quadric, "quadric"),
+    (PrimKind::Poly, "poly"),
+    (PrimKind::Blob, "blob"),
+    (PrimKind::Lathe, "lathe"),
+    (PrimKind::Sor, "sor"),
+    (PrimKind::Prism, "prism"),
+    (PrimKind::Superellipsoid, "superellipsoid"),
+    (PrimKind::HeightField, "height_field"),
+    (PrimKind::Isosurface, "isosurface"),
 ];
+/// Kinds whose hits say where on a side they are.
+pub(super) const PLACED: &[PrimKind] = &[PrimKind::Lathe, PrimKind::Prism];
 
-/// Refuses what cannot be rendered here.
+/// Of polynomial surfaces (`unit_roots.wesl`).
+const MOST_POLY_ORDER: u32 = 10;
+
+/// Refuses what cannot be rendered here, with all of the reasons.
 pub(super) fn check(scene: &CompiledScene) -> Result<(), BackendError> {
-    match first_obstacle(scene) {
-        Some(what) => Err(BackendError::Unsupported(what)),
-        None => Ok(()),
+    let mut list = obstacles(scene);
+    if list.is_empty() {
+        return Ok(());
     }
+    // What textures ask for is found when they are encoded: once here so that the list is whole.
+    if let Err(BackendError::Unsupported(what)) = encode_textures(&scene.textures, &roots(scene), false) {
+        list.push(what);
+    }
+    Err(BackendError::Unsupported(list.join(", ")))
+}
+
+/// What the shaders evaluate of a scene's textures and functions.
+pub(super) fn roots(scene: &CompiledScene) -> TextureRoots {
+    let functions = scene.geometry.shapes.isosurfaces.iter().map(|s| s.function).collect();
+    TextureRoots { functions, ..TextureRoots::of_scene(scene) }
 }
 
 /// Refuses shapes that cannot be traced here, whatever covers and lights them.
 pub(super) fn check_geometry(scene: &CompiledScene) -> Result<(), BackendError> {
-    match unknown_shape(scene) {
-        Some(what) => Err(BackendError::Unsupported(what)),
-        None => Ok(()),
+    if scene.geometry.prims.iter().any(|p| p.kind == PrimKind::Isosurface) {
+        // Its function reads tables that are not there.
+        return Err(BackendError::Unsupported("isosurface objects without their scene".into()));
+    }
+    match unknown_shapes(scene) {
+        list if list.is_empty() => Ok(()),
+        list => Err(BackendError::Unsupported(list.join(", "))),
     }
 }
 
-fn unknown_shape(scene: &CompiledScene) -> Option<String> {
-    let prim = scene.geometry.prims.iter().find(|p| !KINDS.iter().any(|(k, _)| *k == p.kind));
-    prim.map(|p| format!("{} objects", object_name(p.kind)))
+fn unknown_shapes(scene: &CompiledScene) -> Vec<String> {
+    let mut list: Vec<String> = Vec::new();
+    for p in scene.geometry.prims.iter().filter(|p| !KINDS.iter().any(|(k, _)| *k == p.kind)) {
+        let name = format!("{} objects", object_name(p.kind));
+        if !list.contains(&name) {
+            list.push(name);
+        }
+    }
+    list
 }
 
-fn first_obstacle(scene: &CompiledScene) -> Option<String> {
+fn obstacles(scene: &CompiledScene) -> Vec<String> {
     let f = &scene.features;
-    if let Some(what) = unknown_shape(scene) {
-        return Some(what);
-    }
     let listed = [
         (scene.options.quality < 9, "quality levels below 9"),
         (f.media, "media"),
@@ -65,8 +98,11 @@ fn first_obstacle(scene: &CompiledScene) -> Option<String> {
         (matches!(scene.camera.projection, Projection::Mesh { .. }), "mesh cameras"),
         (matches!(scene.camera.projection, Projection::Panorama(_)), "panoramas of Blender's"),
         (nested_bounds(scene), "bounded_by inside bounded_by"),
+        (scene.geometry.shapes.polys.iter().any(|s| s.order > MOST_POLY_ORDER), "polynomials of an order above 10"),
     ];
-    listed.iter().find(|(holds, _)| *holds).map(|(_, what)| (*what).to_owned())
+    let mut list = unknown_shapes(scene);
+    list.extend(listed.iter().filter(|(holds, _)| *holds).map(|(_, what)| (*what).to_owned()));
+    list
 }
 
 /// Whether the objects that bound others are bounded themselves.

@@ -125,6 +125,7 @@ impl<'g> Wavefront<'g> {
         let stage = |name: &str| {
             let mut options = scene.options.clone();
             options.feature_if("shadow_rays", name == "trace_shadow");
+            options.feature_if("double", gpu.has_double());
             gpu.compute_pipeline(name, &assemble(name, &options)?, name, &[&scene_layout, &table_layout])
         };
         let stages = Stages {

@@ -1,0 +1,207 @@
+//! Shapes other than meshes as words. Twins: `shaders/shared/intersect.wesl` and the modules of single kinds beside it.
+
+use super::buffers::{append, bits, bits3, outward};
+use super::mesh_buffers::MeshWords;
+use crate::compile::geometry::{Prim, PrimKind};
+use crate::compile::shape::blob::{BlobElementKind, BlobShape, GROUP};
+use crate::compile::shape::curve::CurveSegment;
+use crate::compile::shape::{HeightFieldShape, IsosurfaceShape, LatheShape, PolyShape, PrismShape, SorShape};
+use crate::compile::{CompiledScene, NONE};
+use crate::math::{Bounds, DVec2, Transform};
+use crate::scene::shape::Container;
+
+/// Kinds of primitives, by the names that the shaders know.
+pub(super) fn shape_constants() -> [(&'static str, u32); 20] {
+    [
+        ("KIND_SPHERE", PrimKind::Sphere as u32),
+        ("KIND_BOX", PrimKind::Box as u32),
+        ("KIND_CYLINDER", PrimKind::Cylinder as u32),
+        ("KIND_CONE", PrimKind::Cone as u32),
+        ("KIND_PLANE", PrimKind::Plane as u32),
+        ("KIND_DISC", PrimKind::Disc as u32),
+        ("KIND_TORUS", PrimKind::Torus as u32),
+        ("KIND_TRIANGLE", PrimKind::Triangle as u32),
+        ("KIND_MESH", PrimKind::Mesh as u32),
+        ("KIND_GLYPH", PrimKind::Glyph as u32),
+        ("KIND_POLYGON", PrimKind::Polygon as u32),
+        ("KIND_QUADRIC", PrimKind::Quadric as u32),
+        ("KIND_POLY", PrimKind::Poly as u32),
+        ("KIND_BLOB", PrimKind::Blob as u32),
+        ("KIND_LATHE", PrimKind::Lathe as u32),
+        ("KIND_SOR", PrimKind::Sor as u32),
+        ("KIND_PRISM", PrimKind::Prism as u32),
+        ("KIND_SUPERELLIPSOID", PrimKind::Superellipsoid as u32),
+        ("KIND_HEIGHT_FIELD", PrimKind::HeightField as u32),
+        ("KIND_ISOSURFACE", PrimKind::Isosurface as u32),
+    ]
+}
+
+/// A number in 32 bits.
+fn n(v: f64) -> u32 {
+    (v as f32).to_bits()
+}
+
+/// A real: a number in 32 bits, and what they left off (`real.wesl`).
+fn real(v: f64) -> [u32; 2] {
+    let near = v as f32;
+    [near.to_bits(), n(if near.is_finite() { v - f64::from(near) } else { 0.0 })]
+}
+
+fn reals(list: impl IntoIterator<Item = f64>) -> impl Iterator<Item = u32> {
+    list.into_iter().flat_map(real)
+}
+
+/// Words of one shape; meshes stand already. `textures`: records of the covers.
+pub(super) fn encode_shape(scene: &CompiledScene, p: &Prim, meshes: &MeshWords, textures: &[u32], words: &mut Vec<u32>) -> u32 {
+    let (s, ix) = (&scene.geometry.shapes, p.shape_ix as usize);
+    let new = match p.kind {
+        PrimKind::Sphere => {
+            let s = &s.spheres[ix];
+            [&bits3(s.center)[..], &[n(s.radius), s.uv_transform_ix], &bits3(s.uv_center)].concat()
+        }
+        PrimKind::Box => [bits3(s.boxes[ix].min), bits3(s.boxes[ix].max)].concat(),
+        PrimKind::Cylinder => vec![u32::from(s.cylinders[ix].open)],
+        PrimKind::Cone => vec![n(s.cones[ix].low), u32::from(s.cones[ix].open)],
+        PrimKind::Plane => [&bits3(s.planes[ix].normal)[..], &[n(s.planes[ix].distance)]].concat(),
+        PrimKind::Disc => vec![n(s.discs[ix].radius_sq), n(s.discs[ix].hole_sq)],
+        PrimKind::Torus => vec![n(s.tori[ix].major), n(s.tori[ix].minor)],
+        PrimKind::Triangle => {
+            let t = &s.triangles[ix];
+            let corners = t.vertices.map(bits3).concat();
+            [&corners[..], &bits3(t.normal), &[n(t.distance), u32::from(t.smooth)], &t.normals.map(bits3).concat()].concat()
+        }
+        PrimKind::Mesh | PrimKind::BicubicPatch => return meshes.places[ix],
+        PrimKind::Glyph => {
+            let g = &s.glyphs[ix];
+            let head = [g.depth, g.min.x, g.min.y, g.max.x, g.max.y].map(n);
+            [&head[..], &outline(&g.segments)].concat()
+        }
+        PrimKind::Polygon => {
+            let p = &s.polygons[ix];
+            let head = [p.origin, p.u, p.v, p.normal].map(bits3).concat();
+            [&head[..], &outline(&p.segments)].concat()
+        }
+        PrimKind::Quadric => reals(s.quadrics[ix].c).collect(),
+        PrimKind::Poly => poly(&s.polys[ix]),
+        PrimKind::Blob => blob(&s.blobs[ix], textures, words),
+        PrimKind::Lathe => lathe(&s.lathes[ix]),
+        PrimKind::Sor => sor(&s.sors[ix]),
+        PrimKind::Prism => prism(&s.prisms[ix]),
+        PrimKind::Superellipsoid => vec![n(s.superellipsoids[ix].xy_power), n(s.superellipsoids[ix].z_power)],
+        PrimKind::HeightField => height_field(&s.height_fields[ix], words),
+        PrimKind::Isosurface => isosurface(&s.isosurfaces[ix]),
+        _ => Vec::new(),
+    };
+    append(words, new)
+}
+
+/// Number of pieces, and of each start, end, factors of w² and w; lines and parabolas only, as letters and polygons have them.
+fn outline(segments: &[CurveSegment]) -> Vec<u32> {
+    let pair = |v: DVec2| [n(v.x), n(v.y)];
+    let piece = |s: &CurveSegment| [pair(s.c[3]), pair(s.at(1.0)), pair(s.c[1]), pair(s.c[2])].concat();
+    std::iter::once(segments.len() as u32).chain(segments.iter().flat_map(piece)).collect()
+}
+
+/// Pieces as `curve.wesl` reads them.
+fn pieces(segments: &[CurveSegment]) -> impl Iterator<Item = u32> {
+    segments.iter().flat_map(|s| {
+        let head = [u32::from(s.degree), n(s.min.x), n(s.min.y), n(s.max.x), n(s.max.y)];
+        head.into_iter().chain(s.c.into_iter().rev().flat_map(|c| reals([c.x, c.y])))
+    })
+}
+
+fn poly(s: &PolyShape) -> Vec<u32> {
+    let mut w = vec![s.order, s.terms.len() as u32];
+    w.extend(reals(s.coefficients.iter().copied()));
+    for t in &s.terms {
+        let [x, y, z] = t.powers.map(u32::from);
+        w.extend(real(t.factor));
+        w.push(x | y << 8 | z << 16);
+    }
+    w
+}
+
+fn lathe(s: &LatheShape) -> Vec<u32> {
+    let head = [s.segments.len() as u32, n(s.inner_radius), n(s.radius), n(s.low), n(s.high)];
+    head.into_iter().chain(pieces(&s.segments)).collect()
+}
+
+fn sor(s: &SorShape) -> Vec<u32> {
+    let mut w = vec![s.segments.len() as u32, n(s.base_sq), n(s.cap_sq)];
+    for p in &s.segments {
+        w.extend([n(p.low), n(p.high)]);
+        w.extend(reals(p.c));
+    }
+    w
+}
+
+fn prism(s: &PrismShape) -> Vec<u32> {
+    let head = [s.segments.len() as u32, u32::from(s.conic), u32::from(s.open), n(s.low), n(s.high)];
+    head.into_iter().chain(pieces(&s.segments)).collect()
+}
+
+fn corners(b: &Bounds) -> [u32; 6] {
+    let (low, high) = outward(b);
+    let ([a, b, c], [d, e, f]) = (bits(low), bits(high));
+    [a, b, c, d, e, f]
+}
+
+/// Rows of the way back from blob space.
+fn inverse_rows(t: &Transform) -> [u32; 12] {
+    let (m, d) = (t.inverse.matrix3, t.inverse.translation);
+    std::array::from_fn(|k| {
+        let row = k / 4;
+        n([m.x_axis[row], m.y_axis[row], m.z_axis[row], d[row]][k % 4])
+    })
+}
+
+fn blob(s: &BlobShape, textures: &[u32], words: &mut Vec<u32>) -> Vec<u32> {
+    let rows: Vec<u32> = s.transforms.iter().map(|t| append(words, inverse_rows(t))).collect();
+    let own = |k: &u32| if *k == NONE { 0 } else { textures[*k as usize] };
+    let n_textured = s.textures.iter().filter(|t| **t != NONE).count() as u32;
+    let mut w = vec![s.elements.len() as u32];
+    w.extend(real(s.threshold));
+    w.push(n_textured);
+    debug_assert_eq!(s.groups.len(), s.elements.len().div_ceil(GROUP), "as the shader counts them");
+    w.extend(s.groups.iter().flat_map(corners));
+    for e in &s.elements {
+        let (kind, length) = match e.kind {
+            BlobElementKind::Sphere => (0, 0.0),
+            BlobElementKind::HemisphereBelow => (1, 0.0),
+            BlobElementKind::Cylinder { length } => (2, length),
+        };
+        w.push(kind);
+        w.extend(bits3(e.center));
+        w.extend(bits3(e.axis));
+        w.extend([n(length), n(e.radius_sq), n(e.f0)]);
+        w.push(rows.get(e.transform_ix as usize).copied().unwrap_or(0));
+        w.push(s.textures.get(e.component as usize).map_or(0, own));
+    }
+    w
+}
+
+fn height_field(s: &HeightFieldShape, words: &mut Vec<u32>) -> Vec<u32> {
+    let blocks_at = append(words, s.blocks.iter().map(|(low, high)| u32::from(*low) | u32::from(*high) << 16));
+    let pair = |h: &[u16]| u32::from(h[0]) | h.get(1).map_or(0, |v| u32::from(*v) << 16);
+    let heights_at = append(words, s.grid.heights.chunks(2).map(pair));
+    vec![s.grid.width, s.grid.height, u32::from(s.smooth), n(s.low), n(s.high), n(s.water), s.blocks_x, blocks_at, heights_at]
+}
+
+fn isosurface(s: &IsosurfaceShape) -> Vec<u32> {
+    let evaluate = s.evaluate.unwrap_or_default();
+    let mut w = vec![s.function, n(s.threshold), n(s.accuracy), n(s.max_gradient), u32::from(s.evaluate.is_some())];
+    w.extend(evaluate.map(n));
+    w.extend([u32::from(s.open), s.max_trace]);
+    match s.container {
+        Container::Box { min, max } => {
+            w.push(0);
+            w.extend([bits3(min), bits3(max)].concat());
+        }
+        Container::Sphere { center, radius } => {
+            w.push(1);
+            w.extend(bits3(center));
+            w.extend([n(radius), 0, 0]);
+        }
+    }
+    w
+}
