@@ -83,9 +83,9 @@ pub(super) struct Bvh8Ray {
 }
 
 /// Rounding of a difference, an inverse and a product, twice over.
-const SCALE_SLACK: f32 = 4.0 * f32::EPSILON;
+pub(super) const SCALE_SLACK: f32 = 4.0 * f32::EPSILON;
 /// Largest slope: what lies ahead at the smallest distance is then beyond any scene.
-const STEEPEST: f32 = 1e37;
+pub(super) const STEEPEST: f32 = 1e37;
 
 impl Bvh8Ray {
     /// For a usable ray in a tree whose largest absolute coordinate is `max_abs`.
@@ -152,15 +152,13 @@ impl Axis {
 }
 
 /// Entries that a walk may leave behind: seven a level.
-const MAX_STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
+pub(super) const MAX_STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 
 /// A child to visit later: where it is entered in the upper half, as bits, so that nearer is less; the child in the lower half.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 struct Entry(u64);
 
 impl Entry {
-    const ROOT: Self = Self(0);
-
     /// `t_enter` is not negative.
     #[inline(always)]
     fn new(t_enter: f32, child: u32) -> Self {
@@ -198,7 +196,7 @@ impl Bvh8 {
             return false;
         }
         let ray = Bvh8Ray::new(ray, self.bounds.max_abs() as f32);
-        simd::run(Walk { tree: self, ray, t_min: round_down(t_min.max(0.0)), t_max, visitor })
+        simd::run(Walk { tree: self, root: 0, ray, t_min: round_down(t_min.max(0.0)), t_max, visitor })
     }
 
     /// Whether every number in the tree makes sense: children after their parent, slots in range, each primitive below `n_prims`, none twice.
@@ -245,13 +243,14 @@ impl<F: FnMut(u32) -> bool> LeafVisitor for Any<F> {
     }
 }
 
-/// A walk through a tree.
-struct Walk<'t, V> {
-    tree: &'t Bvh8,
-    ray: Bvh8Ray,
-    t_min: f32,
-    t_max: f64,
-    visitor: V,
+/// A walk through a tree, from a node on.
+pub(super) struct Walk<'t, V> {
+    pub tree: &'t Bvh8,
+    pub root: u32,
+    pub ray: Bvh8Ray,
+    pub t_min: f32,
+    pub t_max: f64,
+    pub visitor: V,
 }
 
 impl<V: LeafVisitor> Kernel for Walk<'_, V> {
@@ -261,7 +260,7 @@ impl<V: LeafVisitor> Kernel for Walk<'_, V> {
     fn run<S: Simd>(mut self, simd: S) -> bool {
         let mut far = round_up(self.t_max);
         let mut stack = Stack::<Entry, MAX_STACK>::new();
-        let mut at = Entry::ROOT;
+        let mut at = Entry::new(0.0, self.root);
         loop {
             if at.child() & BVH8_LEAF == 0 {
                 let node = &self.tree.nodes[at.child() as usize];

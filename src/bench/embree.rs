@@ -1,11 +1,13 @@
 //! Meshes against Embree on the same rays: both programs in turn, one thread each, hits compared before a speed is told.
 
 use super::rays::{RAY_KINDS, RaySets, TestRay};
-use crate::accel::AccelKind;
+use crate::accel::{AccelKind, PACKET, Packet};
 use crate::compile::shape::MeshShape;
 use crate::cpu_time::thread_seconds;
 use crate::kernel::intersect::mesh::intersect_mesh;
+use crate::kernel::intersect::mesh_packet::{PacketHits, intersect_mesh_packet};
 use crate::kernel::intersect::{HitSink, LocalRay, Part};
+use crate::math::{DVec3, Ray};
 use crate::scene::Mesh;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
@@ -25,11 +27,16 @@ const LEAST_SECONDS: f64 = 0.2;
 const PEERS: [(&str, u32, bool); 4] =
     [("Embree, single rays", 1, false), ("Embree, 8 rays", 8, false), ("Embree, 16 rays", 16, false), ("Embree robust, single", 1, true)];
 
+/// Rays that are traced together by ours.
+const WIDTHS: [usize; 4] = [1, 8, 16, 64];
+
 /// One contestant.
 #[derive(Clone, Debug)]
 pub struct PeerRow {
     /// A structure of ours, or how Embree was asked.
     pub name: String,
+    /// One of ours.
+    pub is_ours: bool,
     /// CPU seconds of the build, one thread.
     pub build_seconds: f64,
     /// Bytes of the tree with its copy of the faces.
@@ -85,15 +92,62 @@ pub fn depth(mesh: &MeshShape, r: &TestRay, any: bool) -> f64 {
     if any && sink.t < f64::INFINITY { 0.0 } else { sink.t }
 }
 
-/// Millions of rays a second of this thread.
-pub fn trace_speed(mesh: &MeshShape, rays: &[TestRay], any: bool, least_seconds: f64) -> f64 {
-    let (start, mut n, mut took) = (thread_seconds(), 0, 0.0);
+/// A ray as Embree's file has it: origin, direction, far end.
+type FileRay = [f32; 7];
+
+fn file_ray(r: &TestRay) -> FileRay {
+    let (o, d) = (r.ray.origin.as_vec3(), r.ray.dir.as_vec3());
+    [o.x, o.y, o.z, d.x, d.y, d.z, r.t_max as f32]
+}
+
+/// Tells the depths, as [`depth`], of rays of which `width` (at most [`PACKET`]) are traced together.
+fn packet_depths<const ANY: bool>(mesh: &MeshShape, rays: &[FileRay], width: usize, mut told: impl FnMut(f64)) {
+    let (mut packet, mut hits) = (Packet::default(), PacketHits::default());
+    let vector = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+    for some in rays.chunks(width.clamp(1, PACKET)) {
+        packet.set(some.len(), |k| Ray::new(vector(&some[k][..3]), vector(&some[k][3..6])));
+        hits.set(some.len(), |k| some[k][6].into());
+        intersect_mesh_packet::<ANY>(mesh, &packet, &mut hits);
+        (0..some.len()).for_each(|k| told(hits.hit(k).map_or(f64::INFINITY, |t| if ANY { 0.0 } else { t })));
+    }
+}
+
+/// A contestant of ours: a structure, and the rays that it traces together.
+struct Ours {
+    shape: Arc<MeshShape>,
+    width: usize,
+}
+
+impl Ours {
+    fn tell(&self, rays: &[TestRay], packed: &[FileRay], any: bool, mut told: impl FnMut(f64)) {
+        match (self.width, any) {
+            (1, _) => rays.iter().for_each(|r| told(depth(&self.shape, r, any))),
+            (width, true) => packet_depths::<true>(&self.shape, packed, width, told),
+            (width, false) => packet_depths::<false>(&self.shape, packed, width, told),
+        }
+    }
+}
+
+/// Millions of rays a second of this thread; `trace` traces `n`.
+fn speed_of(n: usize, least_seconds: f64, mut trace: impl FnMut()) -> f64 {
+    let (start, mut done, mut took) = (thread_seconds(), 0, 0.0);
     while took < least_seconds {
-        rays.iter().for_each(|r| _ = std::hint::black_box(depth(mesh, r, any)));
-        n += rays.len();
+        trace();
+        done += n;
         took = thread_seconds() - start;
     }
-    n as f64 / took / 1e6
+    done as f64 / took / 1e6
+}
+
+/// Millions of single rays a second of this thread.
+pub fn trace_speed(mesh: &MeshShape, rays: &[TestRay], any: bool, least_seconds: f64) -> f64 {
+    speed_of(rays.len(), least_seconds, || rays.iter().for_each(|r| _ = std::hint::black_box(depth(mesh, r, any))))
+}
+
+/// Millions of rays a second of this thread, `width` traced together; the same rays as for [`trace_speed`].
+pub fn packet_speed(mesh: &Arc<MeshShape>, rays: &[TestRay], any: bool, width: usize, least_seconds: f64) -> f64 {
+    let (ours, packed) = (Ours { shape: mesh.clone(), width }, rays.iter().map(file_ray).collect::<Vec<_>>());
+    speed_of(rays.len(), least_seconds, || ours.tell(rays, &packed, any, |t| _ = std::hint::black_box(t)))
 }
 
 /// Embree in a process of its own.
@@ -150,11 +204,7 @@ fn write_files(folder: &Path, mesh: &Mesh, rays: &RaySets) -> std::io::Result<()
     };
     write("faces", &mut mesh.faces.iter().flatten().flat_map(|v| mesh.vertices[*v as usize].to_array()))?;
     for (kind, set) in RAY_KINDS.iter().zip(&rays.sets) {
-        let numbers = |r: &TestRay| {
-            let (o, d) = (r.ray.origin.as_vec3(), r.ray.dir.as_vec3());
-            [o.x, o.y, o.z, d.x, d.y, d.z, r.t_max as f32]
-        };
-        write(kind, &mut set.iter().flat_map(numbers))?;
+        write(kind, &mut set.iter().flat_map(file_ray))?;
     }
     std::fs::write(folder.join("embree.py"), SCRIPT)?;
     std::fs::write(folder.join("embree.c"), PROGRAM)
@@ -175,8 +225,9 @@ pub fn run(
     let folder = tempfile::tempdir().map_err(|e| format!("cannot make a temporary folder: {e}"))?;
     write_files(folder.path(), mesh, rays).map_err(|e| format!("cannot write to '{}': {e}", folder.path().display()))?;
     let n_rays = rays.sets.each_ref().map(Vec::len);
-    let row = |name: String, build_seconds: f64, n_bytes: f64| PeerRow {
+    let row = |name: String, is_ours: bool, build_seconds: f64, n_bytes: f64| PeerRow {
         name,
+        is_ours,
         build_seconds,
         n_bytes: n_bytes as u64,
         mrays: Default::default(),
@@ -190,21 +241,32 @@ pub fn run(
         // On the pool's own thread, from which `index` would go to another.
         let start = crate::cpu_time::process_seconds();
         let n_bytes = one_thread.install(|| shape.index().n_bytes());
-        rows.push(row(kind.name().into(), crate::cpu_time::process_seconds() - start, n_bytes as f64));
-        ours.push(shape);
+        let seconds = crate::cpu_time::process_seconds() - start;
+        let shape = Arc::new(shape);
+        for width in WIDTHS.into_iter().take(if *kind == AccelKind::Bvh8 { WIDTHS.len() } else { 1 }) {
+            let name = if width == 1 { kind.name().into() } else { format!("{}, {width} rays", kind.name()) };
+            rows.push(row(name, true, seconds, n_bytes as f64));
+            ours.push(Ours { shape: shape.clone(), width });
+        }
     }
     let mut peers = [Peer::start(python, folder.path(), false)?, Peer::start(python, folder.path(), true)?];
     let built = [peers[0].ask("build")?, peers[1].ask("build")?];
     rows.extend(PEERS.iter().map(|(name, _, robust)| {
         let [seconds, bytes] = built[usize::from(*robust)];
-        row((*name).into(), seconds, bytes)
+        row((*name).into(), false, seconds, bytes)
     }));
     // What is met, before any speed.
     for (which, set) in rays.sets.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
         let any = which == 1;
-        let truth: Vec<f64> = set.iter().map(|r| depth(&ours[0], r, any)).collect();
-        for (k, shape) in ours.iter().enumerate() {
-            rows[k].apart[which] = set.iter().zip(&truth).filter(|(r, t)| depth(shape, r, any) != **t).count();
+        let packed: Vec<FileRay> = set.iter().map(file_ray).collect();
+        let depths = |ours: &Ours| {
+            let mut depths = Vec::with_capacity(set.len());
+            ours.tell(set, &packed, any, |t| depths.push(t));
+            depths
+        };
+        let truth = depths(&ours[0]);
+        for (row, ours) in rows.iter_mut().zip(&ours) {
+            row.apart[which] = depths(ours).iter().zip(&truth).filter(|(a, b)| a != b).count();
         }
         for (k, (_, width, robust)) in PEERS.iter().enumerate() {
             peers[usize::from(*robust)].ask(&format!("depths {} {width}", RAY_KINDS[which]))?;
@@ -215,8 +277,8 @@ pub fn run(
     }
     for round in 0..rounds {
         for (which, set) in rays.sets.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
-            for (row, shape) in rows.iter_mut().zip(&ours) {
-                row.mrays[which].push(trace_speed(shape, set, which == 1, LEAST_SECONDS));
+            for (row, ours) in rows.iter_mut().zip(&ours) {
+                row.mrays[which].push(packet_speed(&ours.shape, set, which == 1, ours.width, LEAST_SECONDS));
             }
             for (row, (_, width, robust)) in rows[ours.len()..].iter_mut().zip(PEERS) {
                 let [n, seconds] = peers[usize::from(robust)].ask(&format!("trace {} {width}", RAY_KINDS[which]))?;
@@ -242,6 +304,7 @@ mod tests {
         assert!(!same_depth(f64::INFINITY, 3.0) && !same_depth(1.0, 1.01) && !same_depth(0.0, f64::INFINITY));
         let mut row = PeerRow {
             name: String::new(),
+            is_ours: true,
             build_seconds: 0.0,
             n_bytes: 0,
             mrays: [vec![2.0, 6.0, 3.0], vec![], vec![], vec![]],

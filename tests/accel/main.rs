@@ -5,6 +5,7 @@
 mod broken;
 mod broken_more;
 mod garbage;
+mod packets;
 mod scene;
 mod trees;
 mod watertight;

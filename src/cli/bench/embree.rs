@@ -25,7 +25,7 @@ pub(super) fn run(args: &AccelArgs, subject: &Subject, options: &AccelBench, nam
         }
     };
     println!("Mrays a CPU second, one thread, medians of {} rounds; in brackets the median ratio to Embree's single rays", args.rounds);
-    print!("{}", table(&rows, options.kinds.len()));
+    print!("{}", table(&rows));
     if let Some(path) = &args.csv
         && let Err(e) = std::fs::write(path, csv(name, &rows))
     {
@@ -35,8 +35,9 @@ pub(super) fn run(args: &AccelArgs, subject: &Subject, options: &AccelBench, nam
     Ok(ExitCode::from(u8::from(!rows.iter().all(|r| (0..RAY_KINDS.len()).all(|k| r.agrees(k))))))
 }
 
-/// `n_ours` rows of ours come first; Embree's single rays are the next.
-fn table(rows: &[PeerRow], n_ours: usize) -> String {
+/// Rows of ours come first; Embree's single rays are the next.
+fn table(rows: &[PeerRow]) -> String {
+    let single = rows.iter().find(|r| !r.is_ours).unwrap_or(&rows[0]);
     let mut s = format!("{:<22} {:>8} {:>8}", "contestant", "build s", "MB");
     RAY_KINDS.iter().for_each(|k| _ = write!(s, " {k:>15}"));
     s.push('\n');
@@ -45,7 +46,7 @@ fn table(rows: &[PeerRow], n_ours: usize) -> String {
         for k in 0..RAY_KINDS.len() {
             let text = match (r.n_rays[k], r.agrees(k)) {
                 (0, _) => "-".into(),
-                (_, true) => format!("{:.2} ({:.2})", r.speed(k), r.over(&rows[n_ours], k)),
+                (_, true) => format!("{:.2} ({:.2})", r.speed(k), r.over(single, k)),
                 (_, false) => format!("{} differ", r.apart[k]),
             };
             let _ = write!(s, " {text:>15}");

@@ -3,28 +3,41 @@
 
 use super::{HitSink, LocalRay, Part};
 use crate::accel::{Accel, LeafVisitor, PACK};
+use crate::compile::shape::MeshShape;
 use crate::compile::shape::mesh::Corners;
 use crate::compile::shape::triangle_pack::TrianglePack;
-use crate::compile::shape::{MeshIndex, MeshShape};
 use crate::math::simd::Simd;
 use crate::math::{DVec2, DVec3, MAX_DISTANCE, Ray, Vec3};
 use std::cell::RefCell;
 
 /// Hits nearer than this are not seen.
-const TOLERANCE: f64 = 1e-6;
+pub(super) const TOLERANCE: f64 = 1e-6;
 
 /// A ray made ready for triangle tests: sheared so that it runs along its longest axis, which comes last.
 pub struct ShearedRay {
     /// Axes in their new order.
-    origin: [f64; 3],
+    pub(super) origin: [f64; 3],
     /// What is taken off x and y per z; 1 / direction along z.
-    shear: [f64; 3],
-    last_axis: usize,
+    pub(super) shear: [f64; 3],
+    pub(super) last_axis: usize,
+}
+
+/// The axis that a direction is longest along.
+#[inline]
+pub(super) fn longest_axis(dir: DVec3) -> usize {
+    let a = dir.abs();
+    if a.x > a.y && a.x > a.z {
+        0
+    } else if a.y > a.z {
+        1
+    } else {
+        2
+    }
 }
 
 /// A point's axes in their new order; one well-predicted branch a triangle, where indexed access would go through memory.
 #[inline]
-fn reordered<T: Copy>(v: [T; 3], last_axis: usize) -> [T; 3] {
+pub(super) fn reordered<T: Copy>(v: [T; 3], last_axis: usize) -> [T; 3] {
     match last_axis {
         0 => [v[1], v[2], v[0]],
         1 => [v[2], v[0], v[1]],
@@ -36,14 +49,7 @@ impl ShearedRay {
     /// For `ray`.
     #[inline]
     pub fn new(ray: &LocalRay) -> Self {
-        let a = ray.dir.abs();
-        let last_axis = if a.x > a.y && a.x > a.z {
-            0
-        } else if a.y > a.z {
-            1
-        } else {
-            2
-        };
+        let last_axis = longest_axis(ray.dir);
         let d = reordered(ray.dir.to_array(), last_axis);
         let inv = 1.0 / d[2];
         Self { origin: reordered(ray.origin.to_array(), last_axis), shear: [d[0] * inv, d[1] * inv, inv], last_axis }
@@ -139,49 +145,69 @@ fn edge<S: Simd>(s: S, a: [S::F64x4; 3], b: [S::F64x4; 3]) -> S::F64x4 {
 
 /// What a ray found of a mesh so far, on its way to a sink.
 struct Crossings<'a, S> {
-    index: &'a MeshIndex,
     packs: &'a [TrianglePack],
+    /// Slot by slot.
+    faces: &'a [u32],
     ray: &'a ShearedRay,
     sink: &'a mut S,
     /// Depth and face of the last.
     last: (f64, u32),
 }
 
-impl<S: HitSink> Crossings<'_, S> {
-    /// Takes up a hit `(t, a, b)`; gives the depth that still matters if it is a nearer one.
-    #[inline(always)]
-    fn offer(&mut self, (t, a, b): (f64, f64, f64), face: u32, far: f64) -> Option<f64> {
-        if !(t > TOLERANCE && t <= far && t < MAX_DISTANCE) {
-            return None;
-        }
-        // On an edge the face that comes first in the mesh wins, whatever the order of the tree.
-        if t == self.last.0 && face >= self.last.1 {
-            return None;
-        }
-        self.last = (t, face);
-        self.sink.push(t, Part { face, a, b });
-        let now = self.sink.far();
-        (now < far).then_some(now)
+/// Takes up a hit `(t, a, b)`; gives the depth that still matters if it is a nearer one. `last` is what was taken up last.
+#[inline(always)]
+pub(super) fn offer(sink: &mut impl HitSink, last: &mut (f64, u32), (t, a, b): (f64, f64, f64), face: u32, far: f64) -> Option<f64> {
+    if !(t > TOLERANCE && t <= far && t < MAX_DISTANCE) {
+        return None;
     }
+    // On an edge the face that comes first in the mesh wins, whatever the order of the tree.
+    if t == last.0 && face >= last.1 {
+        return None;
+    }
+    *last = (t, face);
+    sink.push(t, Part { face, a, b });
+    let now = sink.far();
+    (now < far).then_some(now)
+}
+
+impl<S: HitSink> Crossings<'_, S> {
+    #[inline(always)]
+    fn offer(&mut self, hit: (f64, f64, f64), face: u32, far: f64) -> Option<f64> {
+        offer(self.sink, &mut self.last, hit, face, far)
+    }
+}
+
+/// Offers the hits of a ray with the first `count` triangles of a pack, whose faces are `faces`, to a sink; gives the depth that still matters.
+#[inline(always)]
+pub(super) fn offer_pack<Lanes: Simd>(
+    simd: Lanes,
+    ray: &ShearedRay,
+    pack: &TrianglePack,
+    faces: &[u32],
+    sink: &mut impl HitSink,
+    last: &mut (f64, u32),
+    mut far: f64,
+) -> f64 {
+    let wanted = (1 << faces.len()) - 1;
+    let test = ray.test_pack(simd, pack);
+    if test.met & wanted == 0 {
+        return far;
+    }
+    let hits = test.hits(simd, ray, far);
+    let mut met = hits.met & wanted;
+    while met != 0 {
+        let k = met.trailing_zeros() as usize % PACK;
+        met &= met - 1;
+        far = offer(sink, last, (hits.t[k], hits.a[k], hits.b[k]), faces[k], far).unwrap_or(far);
+    }
+    far
 }
 
 impl<S: HitSink> LeafVisitor for Crossings<'_, S> {
     #[inline(always)]
-    fn leaf<Lanes: Simd>(&mut self, simd: Lanes, first: u32, count: u32, mut far: f64) -> Option<f64> {
-        let test = self.ray.test_pack(simd, &self.packs[first as usize / PACK]);
-        if test.met & ((1 << count) - 1) == 0 {
-            return Some(far);
-        }
-        let hits = test.hits(simd, self.ray, far);
-        let mut met = hits.met & ((1 << count) - 1);
-        while met != 0 {
-            let lane = met.trailing_zeros();
-            met &= met - 1;
-            let k = lane as usize % PACK;
-            let face = self.index.tree.prim_at(first + lane);
-            far = self.offer((hits.t[k], hits.a[k], hits.b[k]), face, far).unwrap_or(far);
-        }
-        Some(far)
+    fn leaf<Lanes: Simd>(&mut self, simd: Lanes, first: u32, count: u32, far: f64) -> Option<f64> {
+        let faces = &self.faces[first as usize..(first + count) as usize];
+        Some(offer_pack(simd, self.ray, &self.packs[first as usize / PACK], faces, self.sink, &mut self.last, far))
     }
 }
 
@@ -191,7 +217,7 @@ pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
     let sheared = ShearedRay::new(ray);
     let (walked, far) = (Ray::new(ray.origin, ray.dir), sink.far().min(MAX_DISTANCE));
     let index = s.index();
-    let mut found = Crossings { index, packs: &[], ray: &sheared, sink, last: (f64::INFINITY, u32::MAX) };
+    let mut found = Crossings { packs: &[], faces: &[], ray: &sheared, sink, last: (f64::INFINITY, u32::MAX) };
     if let Some(moving) = &s.moving
         && found.sink.time() >= 0.0
     {
@@ -201,7 +227,7 @@ pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
     }
     match (&index.tree, &index.corners) {
         (Accel::Bvh8(tree), Corners::Packs(packs)) => {
-            tree.visit_leaves(&walked, 0.0, far, Crossings { packs, ..found });
+            tree.visit_leaves(&walked, 0.0, far, Crossings { packs, faces: &tree.slots, ..found });
         }
         (tree, _) => tree.closest_slots(&walked, 0.0, far, |slot, far| {
             let hit = sheared.hit(&index.slot_corners(slot))?;

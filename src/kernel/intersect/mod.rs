@@ -10,6 +10,7 @@ pub mod height_field;
 pub mod implicit;
 pub mod julia;
 pub mod mesh;
+pub mod mesh_packet;
 pub mod quadrics;
 pub mod simple;
 pub mod sweep;
