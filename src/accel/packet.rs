@@ -381,7 +381,7 @@ impl<V: PacketVisitor> Together<'_, V> {
                 while left != 0 {
                     let k = left.trailing_zeros() as usize;
                     left &= left - 1;
-                    let (g, lane) = (k / LANES & (GROUPS - 1), k % LANES);
+                    let (g, lane) = (k / LANES % GROUPS, k % LANES);
                     let ray = groups[g].ray(lane, beam.near);
                     let t_max = f64::from(self.far[g][lane]);
                     let alone = Alone { visitor: self.visitor, ray: k, far: self.far };
@@ -416,7 +416,7 @@ impl<V: PacketVisitor> LeafVisitor for Alone<'_, V> {
     #[inline(always)]
     fn leaf<S: Simd>(&mut self, simd: S, first: u32, count: u32, _: f64) -> Option<f64> {
         self.visitor.leaf(simd, first, count, 1 << self.ray, self.far);
-        Some(self.far[self.ray / LANES & (GROUPS - 1)][self.ray % LANES].into())
+        Some(self.far[self.ray / LANES % GROUPS][self.ray % LANES].into())
     }
 }
 
@@ -448,6 +448,12 @@ mod tests {
         }
     }
 
+    enum Lanes {
+        Plain,
+        Avx2,
+        Widest,
+    }
+
     #[test]
     fn all_kinds_of_lanes_offer_the_same_and_single_rays_are_offered_no_more() {
         let mut numbers = SplitMix64(8);
@@ -464,15 +470,20 @@ mod tests {
             let rays: Vec<Ray> = (0..n).map(|_| Ray::new(from, to + 0.1 * numbers.direction() - from)).collect();
             let mut packet = Packet::default();
             packet.set(n, |k| rays[k]);
-            let walk = |shorten, how: &dyn Fn(Together<Notes>)| {
+            let walk = |shorten, lanes| {
                 let (mut offers, mut far) = (Vec::new(), [[5.0; LANES]; GROUPS]);
                 let visitor = &mut Notes { offers: &mut offers, shorten };
-                how(Together { tree: &tree, packet: &packet, t_min: 0.0, far: &mut far, visitor });
+                let walk = Together { tree: &tree, packet: &packet, t_min: 0.0, far: &mut far, visitor };
+                match lanes {
+                    Lanes::Plain => walk.run(Portable),
+                    Lanes::Avx2 => simd::run(walk),
+                    Lanes::Widest => simd::run_widest(walk),
+                }
                 offers
             };
-            let a = walk(true, &|t| t.run(Portable));
-            assert!(a == walk(true, &simd::run) && a == walk(true, &simd::run_widest));
-            let all = walk(false, &simd::run_widest);
+            let a = walk(true, Lanes::Plain);
+            assert!(a == walk(true, Lanes::Avx2) && a == walk(true, Lanes::Widest));
+            let all = walk(false, Lanes::Widest);
             assert!(a.len() <= all.len());
             n_offers += a.len();
             for (k, ray) in rays.iter().enumerate() {

@@ -25,6 +25,7 @@ pub mod pigment;
 pub mod query;
 #[cfg(test)]
 mod reference_tests;
+pub mod shadow_packet;
 pub mod spline;
 pub mod texture;
 pub mod traverse;

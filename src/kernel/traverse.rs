@@ -97,8 +97,7 @@ fn shadow(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, l
     let mut opaque = Nearest::new(scene, ray, t_min.next_up(), t_max);
     opaque.stop_at_first = true;
     (clear.time, opaque.time) = (time, time);
-    let no_blocker = prim_flags::NO_SHADOW | prim_flags::TRANSPARENT | prim_flags::HIDDEN;
-    if g.prims.get(last as usize).is_some_and(|p| p.flags & no_blocker == 0) {
+    if g.prims.get(last as usize).is_some_and(is_blocker) {
         opaque.test(last);
         if opaque.found() {
             return ShadowHit::Opaque { prim_ix: last };
@@ -125,6 +124,12 @@ fn shadow(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, l
         return ShadowHit::Opaque { prim_ix: opaque.prim_ix };
     }
     clear.finish().map_or(ShadowHit::None, ShadowHit::Transparent)
+}
+
+/// Whether a primitive stops light for good.
+#[inline]
+pub(super) fn is_blocker(prim: &Prim) -> bool {
+    prim.flags & (prim_flags::NO_SHADOW | prim_flags::TRANSPARENT | prim_flags::HIDDEN) == 0
 }
 
 /// Whether a ray meets, or starts in, the box and every bounding object of an object.
@@ -209,6 +214,18 @@ impl<'a> Nearest<'a> {
         }
     }
 
+    /// For any hit with `t_min < t < t_max`, of a ray that was asked about an object's bounds before.
+    #[inline]
+    pub fn any(scene: &'a CompiledScene, ray: &'a Ray, t_min: f64, t_max: f64, bounds_asked: (u32, bool)) -> Self {
+        Self { stop_at_first: true, bounds_asked, ..Self::new(scene, ray, t_min.next_up(), t_max) }
+    }
+
+    /// Object whose bounds were asked last, and the answer.
+    #[inline]
+    pub fn bounds_asked(&self) -> (u32, bool) {
+        self.bounds_asked
+    }
+
     #[inline]
     pub fn test(&mut self, prim_ix: u32) {
         let g = &self.scene.geometry;
@@ -255,7 +272,7 @@ impl<'a> Nearest<'a> {
 
     /// Whether any hit stands so far.
     #[inline]
-    fn found(&self) -> bool {
+    pub fn found(&self) -> bool {
         self.prim_ix != u32::MAX
     }
 

@@ -1,6 +1,7 @@
 //! The light of lamps on one layer of a surface. Source: spec/light.md, section 6.
 
 use super::shade::HitContext;
+use super::shafts::Known;
 use super::texturing as cover;
 use super::trace::Tracer;
 use crate::compile::geometry::prim_flags;
@@ -73,7 +74,7 @@ impl Tracer<'_> {
             if layer.finish.diffuse_back == 0.0 {
                 // Media draw random numbers on the way, which would show elsewhere.
                 if !scene.options.savings.has(Saving::Lights) && self.plan.quality.shadows && !self.plan.has_media {
-                    self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, None);
+                    self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, Known::Nothing);
                 }
                 return Vec3::ZERO;
             }
@@ -86,7 +87,7 @@ impl Tracer<'_> {
             None => {
                 let c = match area {
                     Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, arriving),
-                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, None),
+                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, Known::Nothing),
                 };
                 if let Some(k) = memo {
                     self.lit[k] = Some(c);

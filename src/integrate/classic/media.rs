@@ -3,6 +3,7 @@
 use super::inline_vec::InlineVec;
 use super::lights::is_dark;
 use super::ray::{InteriorList, Seen, TraceRay};
+use super::shafts::Known;
 use super::texturing;
 use super::trace::Tracer;
 use crate::compile::CompiledLight;
@@ -363,7 +364,7 @@ impl Tracer<'_> {
         // Shadow rays may cross media too, but they have scratch memory of their own.
         let color = match &light.area {
             Some(a) => self.through_area(light_ix, a, around, point, &way, color),
-            None => self.unshadowed(light_ix, around, point, &way, color, None),
+            None => self.unshadowed(light_ix, around, point, &way, color, Known::Nothing),
         };
         (color, way.dir)
     }

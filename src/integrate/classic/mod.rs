@@ -3,6 +3,7 @@
 //! [`Tracer`] holds what one stream of rays changes (level, random streams, memories); [`ScenePlan`] what all share.
 //! A pixel asks [`Tracer::pixel`]; the way down is `trace` → `shade` → `lights` → `shadow`, with `refract`, `sky` and `media` beside.
 
+mod area_packet;
 mod emitters;
 mod inline_vec;
 mod lights;

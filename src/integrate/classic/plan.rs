@@ -1,5 +1,6 @@
 //! What every tracer of a scene shares, worked out once before the first ray.
 
+use super::area_packet::area_orders;
 use super::emitters::{EmitterPoint, emitter_points};
 use super::ray::InteriorList;
 use crate::compile::{CompiledScene, NONE};
@@ -57,6 +58,8 @@ pub struct ScenePlan {
     pub output_alpha: bool,
     /// Any interior or the air has media.
     pub has_media: bool,
+    /// By light: grid points that are traced together, in the order in which they are asked.
+    pub area_orders: Vec<Option<Vec<[u32; 2]>>>,
     /// By medium: the same everywhere.
     pub constant_media: Vec<bool>,
     /// By medium: its stop thresholds.
@@ -86,6 +89,7 @@ impl ScenePlan {
             modern: scene.settings.version >= 370,
             output_alpha,
             has_media: !scene.media.is_empty(),
+            area_orders: area_orders(scene),
             constant_media: scene.media.iter().map(|m| m.densities.is_empty()).collect(),
             media_thresholds: scene.media.iter().map(|m| stop_thresholds(&m.params)).collect(),
         }

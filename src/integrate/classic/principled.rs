@@ -9,6 +9,7 @@ use super::lights::is_dark;
 use super::ray::{Seen, TraceRay};
 use super::refract::Through;
 use super::shade::HitContext;
+use super::shafts::Known;
 use super::trace::Tracer;
 use crate::compile::CompiledLight;
 use crate::compile::geometry::prim_flags;
@@ -172,7 +173,7 @@ impl Tracer<'_> {
             None => {
                 let c = match &light.area {
                     Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, color),
-                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, color, None),
+                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, color, Known::Nothing),
                 };
                 if let Some(k) = memo {
                     self.lit[k] = Some(c);

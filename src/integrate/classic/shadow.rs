@@ -3,7 +3,7 @@
 use super::lights::is_dark;
 use super::ray::InteriorList;
 use super::refract::fade_factor;
-use super::shafts::shadow_hit;
+use super::shafts::Known;
 use super::texturing as cover;
 use super::trace::Tracer;
 use crate::accel::Candidates;
@@ -11,7 +11,7 @@ use crate::compile::NONE;
 use crate::compile::texture::TextureNode;
 use crate::kernel::atmosphere::fog_effect;
 use crate::kernel::light::{LightRay, area_axes, area_offset, light_ray};
-use crate::kernel::traverse::{SHADOW_TOLERANCE, ShadowHit, intersect_object, intersect_shadow};
+use crate::kernel::traverse::{SHADOW_TOLERANCE, ShadowHit, intersect_object, intersect_shadow, intersect_shadow_among};
 use crate::kernel::{PatternPoint, SurfaceHit};
 use crate::math::{DVec3, Ray, Rgb, Rgbft, Vec3};
 use crate::savings::Saving;
@@ -24,7 +24,7 @@ const MAX_CLEAR_SURFACES: usize = 10_000;
 const WALKS_BEFORE_LIST: u32 = 4;
 
 impl Tracer<'_> {
-    /// `color` less what stands between `point` and the light along `way`; of primitives with bounds only those `among` can, if given.
+    /// `color` less what stands between `point` and the light along `way`.
     pub(super) fn unshadowed(
         &mut self,
         light_ix: u32,
@@ -32,7 +32,7 @@ impl Tracer<'_> {
         point: DVec3,
         way: &LightRay,
         color: Rgb,
-        among: Option<&Candidates>,
+        known: Known,
     ) -> Rgb {
         let scene = self.scene;
         let compiled = &scene.lights[light_ix as usize];
@@ -55,7 +55,13 @@ impl Tracer<'_> {
                 break;
             }
             let last = if scene.options.savings.has(Saving::Blockers) { self.blockers[light_ix as usize][slot] } else { u32::MAX };
-            match shadow_hit(scene, &ray, (SHADOW_TOLERANCE, left - SHADOW_TOLERANCE), last, among) {
+            let hit = match known {
+                Known::Open => ShadowHit::None,
+                Known::Stopped(prim_ix) => ShadowHit::Opaque { prim_ix },
+                Known::Among(list) => intersect_shadow_among(scene, &ray, SHADOW_TOLERANCE, left - SHADOW_TOLERANCE, last, list),
+                Known::Nothing => intersect_shadow(scene, &ray, SHADOW_TOLERANCE, left - SHADOW_TOLERANCE, last),
+            };
+            match hit {
                 ShadowHit::None => break,
                 ShadowHit::Opaque { prim_ix } => {
                     self.blockers[light_ix as usize][slot] = prim_ix;
@@ -191,6 +197,7 @@ impl Tracer<'_> {
         points.resize(area.n1 as usize * area.n2 as usize, None);
         let axes = area_axes(area, way.dir);
         let mut grid = AreaGrid { light_ix, area, axes, around, point, color, points, n_open: 0, among: None };
+        self.area_points_together(&mut grid);
         let mean = self.area_part(&mut grid, [0, 0, area.n1.max(1) - 1, area.n2.max(1) - 1], 0);
         self.area_points = grid.points;
         self.done_with(grid.among);
@@ -230,7 +237,8 @@ impl Tracer<'_> {
         let (ju, jv) = (self.area_place(u, grid.area.jitter), self.area_place(v, grid.area.jitter));
         let offset = area_offset(grid.area, grid.axes, ju, jv);
         let way = light_ray(&self.scene.lights[grid.light_ix as usize].light, grid.point, offset);
-        let c = self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color, grid.among.as_ref());
+        let known = grid.among.as_ref().map_or(Known::Nothing, Known::Among);
+        let c = self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color, known);
         if !is_dark(c) {
             grid.n_open += 1;
             // Few rays walk far: the four corners, when no more are wanted, and what the last blocker does not stop.
@@ -244,15 +252,15 @@ impl Tracer<'_> {
 }
 
 /// One shadow test of an area light.
-struct AreaGrid<'g> {
-    light_ix: u32,
-    area: &'g AreaLight,
-    axes: (DVec3, DVec3),
-    around: &'g InteriorList,
-    point: DVec3,
-    color: Rgb,
+pub(super) struct AreaGrid<'g> {
+    pub light_ix: u32,
+    pub area: &'g AreaLight,
+    pub axes: (DVec3, DVec3),
+    pub around: &'g InteriorList,
+    pub point: DVec3,
+    pub color: Rgb,
     /// By grid point: what arrived from it.
-    points: Vec<Option<Rgb>>,
+    pub points: Vec<Option<Rgb>>,
     /// Points that light came from.
     n_open: u32,
     /// What may stand in the way, once it was worth asking.

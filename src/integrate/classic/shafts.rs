@@ -6,8 +6,7 @@
 
 use super::trace::Tracer;
 use crate::accel::{BoxF, Candidates, Shaft};
-use crate::compile::CompiledScene;
-use crate::math::{DVec3, Ray};
+use crate::math::DVec3;
 use crate::savings::Saving;
 use crate::scene::Light;
 use crate::scene::light::{AreaLight, LightKind};
@@ -18,6 +17,19 @@ const MOST: usize = 32;
 const LEAST_GRID: u32 = 25;
 /// Share of an edge that the points of a circular light may lie beyond its rim.
 const RIM: f64 = 0.01;
+
+/// What is known of a shadow ray before it is traced.
+#[derive(Clone, Copy)]
+pub(super) enum Known<'c> {
+    /// Nothing.
+    Nothing,
+    /// Of primitives with bounds it can meet these alone.
+    Among(&'c Candidates),
+    /// It meets nothing up to the light.
+    Open,
+    /// This primitive stops it.
+    Stopped(u32),
+}
 
 /// Whether an area light has points enough for a list of what stands before it.
 pub fn takes_shafts(area: &AreaLight) -> bool {
@@ -76,19 +88,4 @@ fn area_shaft(light: &Light, area: &AreaLight, axes: (DVec3, DVec3), point: DVec
         normals[4 + k] = center.cross(axis);
     }
     Some(Shaft::around(&points, &normals, bounds))
-}
-
-/// One shadow ray's question, to a list where there is one.
-pub(super) fn shadow_hit(
-    scene: &CompiledScene,
-    ray: &Ray,
-    range: (f64, f64),
-    last: u32,
-    among: Option<&Candidates>,
-) -> crate::kernel::traverse::ShadowHit {
-    use crate::kernel::traverse::{intersect_shadow, intersect_shadow_among};
-    match among {
-        Some(list) => intersect_shadow_among(scene, ray, range.0, range.1, last, list),
-        None => intersect_shadow(scene, ray, range.0, range.1, last),
-    }
 }

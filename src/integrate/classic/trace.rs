@@ -4,7 +4,7 @@ use super::media::MediaScratch;
 use super::plan::ScenePlan;
 use super::radiosity::RadiosityState;
 use super::ray::{Seen, TraceRay};
-use crate::accel::Candidates;
+use crate::accel::{Candidates, Packet};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
 use crate::kernel::atmosphere::BACKGROUND_DEPTH;
@@ -36,6 +36,8 @@ pub struct Tracer<'a> {
     pub(super) lit: Vec<Option<Rgb>>,
     /// Filtered colours of an area light's points.
     pub(super) area_points: Vec<Option<Rgb>>,
+    /// Rays to an area light's points.
+    pub(super) area_packet: Box<Packet>,
     /// A list of primitives that nobody uses.
     pub(super) spare_list: Candidates,
     /// For view rays, and for the shadow rays inside them.
@@ -62,6 +64,7 @@ impl<'a> Tracer<'a> {
             blockers: vec![[u32::MAX; 2]; scene.lights.len()],
             lit: Vec::new(),
             area_points: Vec::new(),
+            area_packet: Box::default(),
             spare_list: Candidates::default(),
             media_scratch: Default::default(),
             radiosity: None,
