@@ -4,6 +4,7 @@
 
 mod lost;
 mod paths;
+mod paths_bodies;
 mod pictures;
 mod probes;
 mod probes_texture;

@@ -27,14 +27,14 @@ fn gpu() -> Option<GpuBackend> {
     found(GpuBackend::new(&GpuOptions { accept_software: true, ..GpuOptions::default() }))
 }
 
-fn covered(mesh: Mesh, surface: Closure) -> Object {
+pub(crate) fn covered(mesh: Mesh, surface: Closure) -> Object {
     let shader = Shader { surface: Some(surface), transparent_shadow: true, ..Shader::default() };
     let mut o = Object::new(Shape::Mesh(Arc::new(mesh)));
     o.texture = Some(Arc::new(Texture::Principled(Box::new(Principled { shader: Some(Arc::new(shader)), ..Principled::default() }))));
     o
 }
 
-fn square(corners: [[f32; 3]; 4]) -> Mesh {
+pub(crate) fn square(corners: [[f32; 3]; 4]) -> Mesh {
     Mesh { vertices: corners.map(Vec3::from_array).to_vec(), faces: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
 }
 
@@ -63,18 +63,18 @@ fn ball(middle: Vec3, radius: f32) -> Mesh {
     mesh
 }
 
-fn diffuse(r: f32, g: f32, b: f32) -> Closure {
+pub(crate) fn diffuse(r: f32, g: f32, b: f32) -> Closure {
     Closure::Diffuse { color: Color::constant(Vec3::new(r, g, b)), roughness: 0.0.into(), normal: None }
 }
 
-fn lamp(shape: LampShape, power: f32, at: DVec3) -> Light {
+pub(crate) fn lamp(shape: LampShape, power: f32, at: DVec3) -> Light {
     // Lamps look along -z.
     let lamp = Lamp::new(shape, Vec3::splat(power), Transform::translation(at));
     Light { lamp: Some(Box::new(lamp)), ..Light::point(at, Vec3::ONE) }
 }
 
 /// A floor with balls of `closures` on it, seen from the front and above; +z is up.
-fn scene_of(closures: Vec<Closure>, lights: Vec<Light>, sky: f32) -> Scene {
+pub(crate) fn scene_of(closures: Vec<Closure>, lights: Vec<Light>, sky: f32) -> Scene {
     let floor = square([[-4.0, -3.0, 0.0], [4.0, -3.0, 0.0], [4.0, 4.0, 0.0], [-4.0, 4.0, 0.0]]);
     let mut scene = Scene { objects: vec![covered(floor, diffuse(0.7, 0.6, 0.5))], lights, ..Scene::default() };
     let n = closures.len() as f32;
@@ -110,7 +110,7 @@ fn compare(a: &Film, b: &Film) -> (f64, f64, f64) {
 }
 
 /// Both machines give the same picture but for paths that rounding sends elsewhere.
-fn agrees(name: &str, scene: &Scene, least_same: f64) {
+pub(crate) fn agrees(name: &str, scene: &Scene, least_same: f64) {
     let Some(gpu) = gpu() else { return };
     let scene = compiled(scene);
     let ours = render(&gpu, &scene, 0..4).expect("renders");
@@ -299,9 +299,10 @@ fn quiet_pixels_get_no_more_samples_on_both_machines() {
 #[test]
 fn what_is_not_done_is_named() {
     let Some(gpu) = gpu() else { return };
-    let below = Closure::Principled(Box::new(PrincipledClosure { subsurface_weight: 1.0.into(), ..PrincipledClosure::default() }));
-    let error = render(&gpu, &compiled(&scene_of(vec![below], Vec::new(), 0.5)), 0..1).expect_err("the CPU's matter");
-    assert!(matches!(&error, BackendError::Unsupported(what) if what.contains("subsurface")), "{error}");
+    let mut scene = scene_of(vec![diffuse(0.5, 0.5, 0.5)], Vec::new(), 0.5);
+    scene.objects[0].traits.shadow_catcher = true;
+    let error = render(&gpu, &compiled(&scene), 0..1).expect_err("the CPU's matter");
+    assert!(matches!(&error, BackendError::Unsupported(what) if what.contains("shadow catchers")), "{error}");
     let mut scene = scene_of(Vec::new(), Vec::new(), 0.5);
     scene.objects.push(Object::new(Shape::Sphere { center: DVec3::Z, radius: 1.0 }));
     let error = render(&gpu, &compiled(&scene), 0..1).expect_err("the CPU's matter");

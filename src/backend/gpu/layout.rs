@@ -247,7 +247,7 @@ shared! {
         sky_sun_dir: [f32; 3],
         sky_sun_energy: f32,
         sky_sun_radiance: [f32; 3],
-        padding: f32,
+        volume_bounces: u32,
     }
     /// Slots and samples of one dispatch of the path integrator.
     struct PathBatch {

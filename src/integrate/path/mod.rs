@@ -37,3 +37,4 @@ pub use plan::PathPlan;
 pub use pov::left_out;
 pub use shadow::NEAR;
 pub use trace::{PathTracer, PixelResult};
+pub use volume::{WORLD as WORLD_BODY, grid_summary};

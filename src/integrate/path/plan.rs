@@ -78,6 +78,11 @@ impl<'s> PathPlan<'s> {
         plan
     }
 
+    /// Object and material of the bodies around the camera.
+    pub fn camera_bodies(&self) -> &[(u32, u32)] {
+        self.camera_volumes.bodies()
+    }
+
     /// Gathers these passes too.
     #[must_use]
     pub fn with_passes(self, passes: PassSet) -> Self {

@@ -20,7 +20,7 @@ use std::f32::consts::PI;
 /// Bodies that a ray may be inside at once; what is beyond is left out.
 const MAX_BODIES: usize = 8;
 /// The world's volume.
-const WORLD: u32 = u32::MAX - 1;
+pub const WORLD: u32 = u32::MAX - 1;
 const NOBODY: u32 = u32::MAX;
 
 /// Bodies that a ray is inside: object and material.
@@ -40,6 +40,11 @@ impl VolumeStack {
     /// Whether there is nothing.
     pub fn is_empty(&self) -> bool {
         self.n == 0
+    }
+
+    /// Object and material of each; the object of the world's is [`WORLD`].
+    pub fn bodies(&self) -> &[(u32, u32)] {
+        &self.bodies[..self.n]
     }
 
     fn enter(&mut self, object: u32, material: u32) {
@@ -104,7 +109,7 @@ fn mean(c: Rgb) -> f32 {
 }
 
 /// Greatest and mean number of a volume's grid.
-pub(super) fn grid_summary(v: &Volume) -> (f32, f32) {
+pub fn grid_summary(v: &Volume) -> (f32, f32) {
     let Some(d) = &v.density else { return (1.0, 1.0) };
     let (most, sum) = d.grid.cells.iter().fold((0.0f32, 0.0f64), |(m, s), v| (m.max(*v), s + f64::from(*v)));
     (most, (sum / d.grid.cells.len().max(1) as f64) as f32)

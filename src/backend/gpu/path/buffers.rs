@@ -5,11 +5,12 @@ use super::super::layout::PathParams;
 use super::super::shader::ShaderOptions;
 use super::super::tree_words::choose_walk;
 use super::camera::{camera_params, camera_words, panorama_constants};
-use super::geometry::{FaceTables, OBJECT_WORDS, encode_faces, face_bits, object_words};
+use super::geometry::{FaceTables, OBJECT_INVERSE, OBJECT_TANGENTS, OBJECT_WORDS, encode_faces, face_bits, object_words};
 use super::inputs::{Encoder, input_constants};
 use super::lights::{encode_lights, light_constants, tree_quads};
 use super::materials::{Room, encode_materials, material_constants};
 use super::tables::AlbedoTables;
+use super::volumes::{Volumes, camera_bodies, most_bodies, volume_constants};
 use crate::accel::AccelKind;
 use crate::backend::BackendError;
 use crate::compile::CompiledScene;
@@ -23,7 +24,7 @@ use std::collections::HashMap;
 const MAX_LOBES: u32 = 12;
 /// Rectangles seen smaller than that are drawn by area: the sum of their angles has few digits at 32 bits.
 const LEAST_SOLID_ANGLE: f32 = 0.01;
-const LOBES: [&str; 5] = ["LAMBERT", "OREN_NAYAR", "TRANSLUCENT", "MICROFACET", "SHEEN"];
+const LOBES: [&str; 6] = ["LAMBERT", "OREN_NAYAR", "TRANSLUCENT", "MICROFACET", "SHEEN", "HAIR"];
 const FRESNELS: [&str; 5] = ["MIRROR", "CLEAR", "DIELECTRIC", "F82", "FILM"];
 
 /// Everything of a scene, encoded.
@@ -44,20 +45,26 @@ impl PathBuffers {
         let mut room = Room::default();
         let mut p = camera_params(scene, plan, size);
         camera_words(scene, &mut e, &mut p);
-        let (materials_at, clear) = encode_materials(&plan.shaders, &mut e, &mut tables, &mut room)?;
-        p.materials_at = materials_at;
+        let mut volumes = Volumes::default();
+        let materials = encode_materials(&plan.shaders, &mut e, &mut tables, &mut room, &mut volumes)?;
+        p.materials_at = materials.at;
         p.mirror_at = tables.fill(&mut e.words);
         encode_lights(plan, &mut e, &mut p);
         p.filter_at = append(&mut e.words, plan.filter.offsets().iter().map(|v| v.to_bits()));
         let mut objects = HashMap::new();
-        if e.features.contains("anisotropic") {
-            for (k, prim) in scene.geometry.prims.iter().enumerate() {
-                objects.insert(k as u32, append(&mut e.words, object_words(scene, prim)));
+        if plan.has_volumes || ["anisotropic", "subsurface"].iter().any(|f| e.features.contains(f)) {
+            for k in 0..scene.geometry.prims.len() as u32 {
+                objects.insert(k, append(&mut e.words, object_words(scene, k)));
             }
         }
-        let faces = encode_faces(scene, plan, kind, &clear, &objects, e.more_uvs)?;
+        if plan.has_volumes {
+            e.features.insert("volumes");
+            p.volumes_at = camera_bodies(scene, plan, &objects, &materials.volumes, &mut volumes, &mut e);
+        }
+        let faces = encode_faces(scene, plan, kind, &materials.clear, &objects, e.more_uvs)?;
         p.emitters_at = append(&mut e.words, faces.emitters.iter().copied());
         p.n_faces = faces.faces.len() as u32;
+        p.hair_at = faces.hair_at;
         // A grid's lists have no references before them: leaves name faces.
         p.lists_at = 0;
         (p.tree_low, p.tree_high) = outward(&Bounds { min: faces.low.as_dvec3(), max: faces.high.as_dvec3() });
@@ -90,6 +97,7 @@ fn shader_options(
         ("open_shutter", plan.has_motion),
         ("still", s.still),
         ("motion", faces.has_motion),
+        ("hair", faces.bits & face_bits::HAIR != 0),
         ("holes", faces.bits & face_bits::HOLDOUT != 0),
         ("smooth_faces", faces.bits & face_bits::SMOOTH != 0),
         ("face_flags", faces.bits & seen_by_all != 0 || has_clear),
@@ -106,6 +114,7 @@ fn shader_options(
     features.iter().for_each(|(name, holds)| o.feature_if(name, *holds));
     name_constants(&mut o, room, nodes_at);
     o.constant("UV_SETS", 1 + e.more_uvs);
+    o.constant("MAX_BODIES", most_bodies(scene));
     choose_walk(&mut o, kind, 1, faces.tree.depth);
     o
 }
@@ -128,14 +137,17 @@ fn name_constants(o: &mut ShaderOptions, room: Room, nodes_at: u32) {
         ("FACE_NO_SHADOW", face_bits::NO_SHADOW),
         ("FACE_CLEAR", face_bits::CLEAR),
         ("FACE_HOLDOUT", face_bits::HOLDOUT),
+        ("FACE_HAIR", face_bits::HAIR),
+        ("OBJECT_INVERSE", OBJECT_INVERSE),
+        ("OBJECT_TANGENTS", OBJECT_TANGENTS),
         ("OBJECT_WORDS", OBJECT_WORDS),
     ];
     constants.iter().for_each(|(name, v)| o.constant(name, *v));
     o.constant("LEAST_SOLID_ANGLE", LEAST_SOLID_ANGLE);
-    for (prefix, names) in [("LOBE", LOBES), ("FRESNEL", FRESNELS)] {
+    for (prefix, names) in [("LOBE", &LOBES[..]), ("FRESNEL", &FRESNELS[..])] {
         (0u32..).zip(names).for_each(|(k, n)| o.constant(&format!("{prefix}_{n}"), k));
     }
-    for (name, v) in input_constants().into_iter().chain(material_constants()).chain(light_constants()).chain(panorama_constants()) {
+    for (name, v) in input_constants().into_iter().chain(material_constants()).chain(light_constants()).chain(panorama_constants()).chain(volume_constants()) {
         o.constant(&name, v);
     }
 }
@@ -150,6 +162,7 @@ mod tests {
         let mut o = ShaderOptions::default();
         name_constants(&mut o, Room { lobes: 3, stack: 2, closures: 3 }, 1024);
         o.constant("UV_SETS", 2u32);
+        o.constant("MAX_BODIES", 3u32);
         choose_walk(&mut o, AccelKind::Bvh, 1, 20);
         ["mesh", "path_rays"].iter().chain(features).for_each(|f| o.feature(f));
         let text = assemble("path/trace_paths", &o).map_err(|e| e.to_string())?;
@@ -185,6 +198,14 @@ mod tests {
             &["open_shutter", "still", "motion", "smooth_faces", "face_flags", "any_light", "light_tree", "emitters", "plain_emission"],
             &["open_shutter", "motion", "texels", "uv", "bent", "uv_tangents", "anisotropic", "microfacets", "metal", "principled"],
             &["holes"],
+            &["volumes"],
+            &["volumes", "grids", "any_light", "light_tree", "emitters", "plain_emission", "face_flags", "clear_faces", "passes"],
+            &["volumes", "any_light", "light_tree", "tree_lamps", "lamps", "balls", "met_lamps", "suns", "many_kinds", "shadowless"],
+            &["subsurface", "plain_subsurface"],
+            &["principled", "principled_subsurface", "subsurface", "passes", "any_light", "lamps", "balls", "light_tree", "tree_lamps", "met_lamps"],
+            &["subsurface", "plain_subsurface", "volumes", "face_flags", "clear_faces", "passes", "holes", "any_light", "env_sampled"],
+            &["hair"],
+            &["hair", "filter_glossy", "any_light", "lamps", "balls", "light_visibility", "motion", "open_shutter"],
             &["principled", "microfacets", "panes", "passes", "coat", "face_flags", "clear_faces", "any_light", "lamps", "balls"],
             &["texels", "uv", "more_uvs", "bent"],
             &["texels", "uv", "bent", "uv_tangents", "anisotropic", "microfacets", "metal", "principled"],

@@ -31,6 +31,7 @@ pub(super) fn camera_params(scene: &CompiledScene, plan: &PathPlan, [width, heig
         diffuse_bounces: s.diffuse_bounces,
         glossy_bounces: s.glossy_bounces,
         transmission_bounces: s.transmission_bounces,
+        volume_bounces: s.volume_bounces,
         transparent_bounces: s.transparent_bounces,
         min_light_bounces: s.min_light_bounces,
         min_transparent_bounces: s.min_transparent_bounces,

@@ -107,7 +107,7 @@ pub(super) fn encode_lights(plan: &PathPlan, e: &mut Encoder, p: &mut PathParams
     // Each sun is drawn by its own share.
     let kinds = [!l.tree.is_empty(), env.sampling.is_some(), l.sky_sun.is_some(), !l.suns.is_empty()];
     need("many_kinds", kinds.iter().filter(|k| **k).count() > 1 || !l.suns.is_empty() || l.sky_sun.is_some());
-    need("environment", env.strength.max_element() > 0.0 && env.visibility.0 & 15 != 0);
+    need("environment", env.strength.max_element() > 0.0 && env.visibility.0 & 31 != 0);
     encode_environment(plan, e, p);
 }
 

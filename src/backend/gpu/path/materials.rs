@@ -4,12 +4,13 @@
 use super::super::buffers::append;
 use super::inputs::{Encoder, refused};
 use super::tables::AlbedoTables;
+use super::volumes::Volumes;
 use crate::backend::BackendError;
 use crate::kernel::bsdf::albedo::dielectric_mean;
 use crate::kernel::bsdf::fresnel::highlight_of;
 use crate::math::{Rgb, Vec3};
 use crate::scene::input::Scalar;
-use crate::scene::shader::{Closure, Distribution, MixFactor, PrincipledClosure, Shader};
+use crate::scene::shader::{Closure, Distribution, HairColor, MixFactor, PrincipledClosure, Shader};
 
 /// Words of the Principled closure: name and length.
 const PRINCIPLED: &[(&str, u32)] = &[
@@ -40,17 +41,22 @@ const PRINCIPLED: &[(&str, u32)] = &[
     ("SHEEN_WEIGHT", 2),
     ("SHEEN_ROUGHNESS", 2),
     ("SHEEN_TINT", 4),
+    ("SUBSURFACE_WEIGHT", 2),
+    ("SUBSURFACE_RADIUS", 4),
+    ("SUBSURFACE_SCALE", 2),
+    ("SUBSURFACE_ANISOTROPY", 2),
     ("EMISSION_COLOR", 4),
     ("EMISSION_STRENGTH", 2),
     ("FILM_THICKNESS", 2),
     ("FILM_IOR", 2),
 ];
-const CLOSURES: [&str; 10] =
-    ["PRINCIPLED", "EMISSION", "TRANSPARENT", "DIFFUSE", "TRANSLUCENT", "SHEEN", "GLOSSY", "GLASS", "REFRACTION", "HOLDOUT"];
+const CLOSURES: [&str; 12] =
+    ["PRINCIPLED", "EMISSION", "TRANSPARENT", "DIFFUSE", "TRANSLUCENT", "SHEEN", "GLOSSY", "GLASS", "REFRACTION", "HOLDOUT", "HAIR", "SUBSURFACE"];
+const HAIR_COLORS: [&str; 3] = ["ABSORPTION", "MELANIN", "REFLECTANCE"];
 const MIXES: [&str; 4] = ["SCALAR", "FRESNEL", "FACING", "BACK"];
 const STEPS: [&str; 4] = ["CLOSURE", "MIX", "ADD", "BACK"];
-/// Words of a material before its steps: bits, emission of front and back, number of steps.
-const STEPS_AT: u32 = 8;
+/// Words of a material before its steps: bits, emission of front and back, number of steps, place of its volume.
+const STEPS_AT: u32 = 9;
 const CLEAR_SHADOW: u32 = 1;
 const PLAIN_EMISSION: u32 = 2;
 
@@ -65,12 +71,14 @@ pub(super) fn material_constants() -> Vec<(String, u32)> {
     let others = [
         ("MATERIAL_EMISSION", 1),
         ("MATERIAL_N_STEPS", 7),
+        ("MATERIAL_VOLUME", 8),
         ("MATERIAL_STEPS", STEPS_AT),
         ("MATERIAL_CLEAR_SHADOW", CLEAR_SHADOW),
         ("MATERIAL_PLAIN_EMISSION", PLAIN_EMISSION),
     ];
     places
         .chain(numbered("CLOSURE", &CLOSURES))
+        .chain(numbered("HAIR", &HAIR_COLORS))
         .chain(numbered("MIX", &MIXES))
         .chain(numbered("STEP", &STEPS))
         .chain(others.map(|(n, v)| (n.to_owned(), v)))
@@ -88,14 +96,26 @@ pub(super) struct Room {
     pub closures: u32,
 }
 
-/// Encodes materials; gives the place of the list of their places, and for each whether shadow rays go on behind it.
+/// Materials in words.
+pub(super) struct Materials {
+    /// Place of the list of their places.
+    pub at: u32,
+    /// Whether shadow rays go on behind each.
+    pub clear: Vec<bool>,
+    /// Place of the volume of each, 0 for none.
+    pub volumes: Vec<u32>,
+}
+
+/// Encodes materials.
 pub(super) fn encode_materials(
     list: &[std::sync::Arc<Shader>],
     e: &mut Encoder,
     tables: &mut AlbedoTables,
     room: &mut Room,
-) -> Result<(u32, Vec<bool>), BackendError> {
+    volumes: &mut Volumes,
+) -> Result<Materials, BackendError> {
     let mut places = Vec::with_capacity(list.len());
+    let mut of_volumes = Vec::with_capacity(list.len());
     let mut clear = Vec::with_capacity(list.len());
     for shader in list {
         let mut steps = Vec::new();
@@ -116,11 +136,14 @@ pub(super) fn encode_materials(
         let mut w = vec![flag(goes_on, CLEAR_SHADOW) | flag(emission.is_some(), PLAIN_EMISSION)];
         w.extend(emission.unwrap_or_default().iter().flat_map(|c| c.to_array()).map(f32::to_bits));
         w.push(steps.len() as u32 / 2);
+        let volume = shader.volume.as_ref().map_or(0, |v| volumes.encode(v, e));
+        of_volumes.push(volume);
+        w.push(volume);
         w.extend(steps);
         places.push(append(&mut e.words, w));
         clear.push(goes_on);
     }
-    Ok((append(&mut e.words, places), clear))
+    Ok(Materials { at: append(&mut e.words, places), clear, volumes: of_volumes })
 }
 
 /// The light of a closure, of front and back, where it is the same everywhere.
@@ -286,8 +309,30 @@ impl Steps<'_> {
                 let normal = self.e.normal(normal.as_deref())?;
                 [&[kind("REFRACTION")][..], &self.e.color(color)?, &[normal], &self.e.scalar(roughness)?, &[ior.to_bits()]].concat()
             }
-            Closure::Subsurface { .. } => return refused("subsurface light"),
-            Closure::Hair(_) => return refused("hair"),
+            Closure::Subsurface { color, radius, scale, anisotropy, normal, .. } => {
+                self.room.lobes += 1;
+                self.need("subsurface");
+                self.need("plain_subsurface");
+                let normal = self.e.normal(normal.as_deref())?;
+                let (radius, scale, g) = (self.e.color(radius)?, self.e.scalar(scale)?, self.e.scalar(anisotropy)?);
+                [&[kind("SUBSURFACE")][..], &self.e.color(color)?, &[normal], &radius, &scale, &g].concat()
+            }
+            Closure::Hair(h) => {
+                self.room.lobes += 1;
+                self.need("hair");
+                let none = Scalar::constant(0.0);
+                let (which, color, melanin, redness) = match &h.color {
+                    HairColor::Absorption(c) => (0, c, &none, &none),
+                    HairColor::Melanin { melanin, redness, tint, .. } => (1, tint, melanin, redness),
+                    HairColor::Reflectance(c) => (2, c, &none, &none),
+                };
+                let mut w = vec![kind("HAIR"), which];
+                w.extend(self.e.color(color)?);
+                for s in [melanin, redness, &h.roughness, &h.radial_roughness, &h.coat, &h.ior, &h.offset_rad] {
+                    w.extend(self.e.scalar(s)?);
+                }
+                w
+            }
             Closure::Holdout => {
                 self.need("holes");
                 vec![kind("HOLDOUT")]
@@ -308,9 +353,6 @@ impl Steps<'_> {
     }
 
     fn principled(&mut self, p: &PrincipledClosure) -> Result<u32, BackendError> {
-        if !is_zero(&p.subsurface_weight) {
-            return refused("subsurface light");
-        }
         self.need("principled");
         self.room.lobes += 1;
         let uses = [
@@ -319,6 +361,8 @@ impl Steps<'_> {
             (&p.transmission_weight, if p.is_pane() { "passes" } else { "refraction" }, false),
             (&p.coat_weight, "coat", true),
             (&p.sheen_weight, "sheen", true),
+            (&p.subsurface_weight, "principled_subsurface", true),
+            (&p.subsurface_weight, "subsurface", false),
             (&p.emission_strength, "principled_emission", false),
             (&p.diffuse_roughness, "oren_nayar", false),
             (&p.anisotropic, "anisotropic", false),
@@ -390,6 +434,10 @@ impl Steps<'_> {
         w.extend(e.scalar(&p.sheen_weight)?);
         w.extend(e.scalar(&p.sheen_roughness)?);
         w.extend(e.color(&p.sheen_tint)?);
+        w.extend(e.scalar(&p.subsurface_weight)?);
+        w.extend(e.color(&p.subsurface_radius)?);
+        w.extend(e.scalar(&p.subsurface_scale)?);
+        w.extend(e.scalar(&p.subsurface_anisotropy)?);
         w.extend(e.color(&p.emission_color)?);
         w.extend(e.scalar(&p.emission_strength)?);
         w.extend(e.scalar(&p.thin_film_thickness)?);

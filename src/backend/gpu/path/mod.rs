@@ -11,6 +11,7 @@ mod materials;
 mod motion;
 mod support;
 mod tables;
+mod volumes;
 
 use super::device::{Gpu, WORKGROUP, binding_layout, uniform_layout};
 use super::layout::{PathBatch, PathParams};
