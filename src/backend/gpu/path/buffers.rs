@@ -147,7 +147,13 @@ fn name_constants(o: &mut ShaderOptions, room: Room, nodes_at: u32) {
     for (prefix, names) in [("LOBE", &LOBES[..]), ("FRESNEL", &FRESNELS[..])] {
         (0u32..).zip(names).for_each(|(k, n)| o.constant(&format!("{prefix}_{n}"), k));
     }
-    for (name, v) in input_constants().into_iter().chain(material_constants()).chain(light_constants()).chain(panorama_constants()).chain(volume_constants()) {
+    for (name, v) in input_constants()
+        .into_iter()
+        .chain(material_constants())
+        .chain(light_constants())
+        .chain(panorama_constants())
+        .chain(volume_constants())
+    {
         o.constant(&name, v);
     }
 }
@@ -202,7 +208,18 @@ mod tests {
             &["volumes", "grids", "any_light", "light_tree", "emitters", "plain_emission", "face_flags", "clear_faces", "passes"],
             &["volumes", "any_light", "light_tree", "tree_lamps", "lamps", "balls", "met_lamps", "suns", "many_kinds", "shadowless"],
             &["subsurface", "plain_subsurface"],
-            &["principled", "principled_subsurface", "subsurface", "passes", "any_light", "lamps", "balls", "light_tree", "tree_lamps", "met_lamps"],
+            &[
+                "principled",
+                "principled_subsurface",
+                "subsurface",
+                "passes",
+                "any_light",
+                "lamps",
+                "balls",
+                "light_tree",
+                "tree_lamps",
+                "met_lamps",
+            ],
             &["subsurface", "plain_subsurface", "volumes", "face_flags", "clear_faces", "passes", "holes", "any_light", "env_sampled"],
             &["hair"],
             &["hair", "filter_glossy", "any_light", "lamps", "balls", "light_visibility", "motion", "open_shutter"],

@@ -50,8 +50,20 @@ const PRINCIPLED: &[(&str, u32)] = &[
     ("FILM_THICKNESS", 2),
     ("FILM_IOR", 2),
 ];
-const CLOSURES: [&str; 12] =
-    ["PRINCIPLED", "EMISSION", "TRANSPARENT", "DIFFUSE", "TRANSLUCENT", "SHEEN", "GLOSSY", "GLASS", "REFRACTION", "HOLDOUT", "HAIR", "SUBSURFACE"];
+const CLOSURES: [&str; 12] = [
+    "PRINCIPLED",
+    "EMISSION",
+    "TRANSPARENT",
+    "DIFFUSE",
+    "TRANSLUCENT",
+    "SHEEN",
+    "GLOSSY",
+    "GLASS",
+    "REFRACTION",
+    "HOLDOUT",
+    "HAIR",
+    "SUBSURFACE",
+];
 const HAIR_COLORS: [&str; 3] = ["ABSORPTION", "MELANIN", "REFLECTANCE"];
 const MIXES: [&str; 4] = ["SCALAR", "FRESNEL", "FACING", "BACK"];
 const STEPS: [&str; 4] = ["CLOSURE", "MIX", "ADD", "BACK"];

@@ -17,7 +17,9 @@ pub(super) fn first_obstacle(scene: &CompiledScene, plan: &PathPlan) -> Option<S
         return Some(format!("path tracing of {} objects", super::super::support::object_name(p.kind)));
     }
     let plain = |ix: u32| ix != NONE && !matches!(scene.textures.textures[ix as usize], TextureNode::Principled(_));
-    let of_mesh = |p: &crate::compile::geometry::Prim| p.kind != PrimKind::Hair && g.shapes.meshes[p.shape_ix as usize].textures.iter().any(|t| plain(*t));
+    let of_mesh = |p: &crate::compile::geometry::Prim| {
+        p.kind != PrimKind::Hair && g.shapes.meshes[p.shape_ix as usize].textures.iter().any(|t| plain(*t))
+    };
     let listed = [
         (shown().any(|p| plain(g.surfaces[p.surface_ix as usize].texture) || of_mesh(p)), "POV-Ray's textures"),
         (shown().any(|p| p.clip_len > 0 || p.flags & (prim_flags::BOUNDED | prim_flags::INVERTED) != 0), "clipped meshes"),

@@ -50,9 +50,10 @@ impl Volumes {
     fn grid(&mut self, d: &Density, e: &mut Encoder) -> u32 {
         e.features.insert("grids");
         let words = &mut e.words;
-        let cells = *self.cells.entry(Arc::as_ptr(&d.grid)).or_insert_with(|| {
-            append(words, d.grid.size.into_iter().chain(d.grid.cells.iter().map(|v| v.to_bits())))
-        });
+        let cells = *self
+            .cells
+            .entry(Arc::as_ptr(&d.grid))
+            .or_insert_with(|| append(words, d.grid.size.into_iter().chain(d.grid.cells.iter().map(|v| v.to_bits()))));
         append(words, inverse_rows(&d.transform).into_iter().chain([cells]))
     }
 }
