@@ -79,6 +79,7 @@ pub const MODULES: &[(&str, &str)] = modules![
     "shared/intersect",
     "shared/intersect_mesh",
     "shared/isosurface",
+    "shared/julia",
     "shared/layer",
     "shared/layout",
     "shared/leaf_mesh",

@@ -5,13 +5,13 @@ use super::mesh_buffers::MeshWords;
 use crate::compile::geometry::{Prim, PrimKind};
 use crate::compile::shape::blob::{BlobElementKind, BlobShape, GROUP};
 use crate::compile::shape::curve::CurveSegment;
-use crate::compile::shape::{HeightFieldShape, IsosurfaceShape, LatheShape, PolyShape, PrismShape, SorShape};
+use crate::compile::shape::{HeightFieldShape, IsosurfaceShape, JuliaShape, LatheShape, PolyShape, PrismShape, SorShape};
 use crate::compile::{CompiledScene, NONE};
 use crate::math::{Bounds, DVec2, Transform};
-use crate::scene::shape::Container;
+use crate::scene::shape::{Container, JuliaFunction};
 
 /// Kinds of primitives, by the names that the shaders know.
-pub(super) fn shape_constants() -> [(&'static str, u32); 20] {
+pub(super) fn shape_constants() -> [(&'static str, u32); 21] {
     [
         ("KIND_SPHERE", PrimKind::Sphere as u32),
         ("KIND_BOX", PrimKind::Box as u32),
@@ -33,6 +33,7 @@ pub(super) fn shape_constants() -> [(&'static str, u32); 20] {
         ("KIND_SUPERELLIPSOID", PrimKind::Superellipsoid as u32),
         ("KIND_HEIGHT_FIELD", PrimKind::HeightField as u32),
         ("KIND_ISOSURFACE", PrimKind::Isosurface as u32),
+        ("KIND_JULIA", PrimKind::JuliaFractal as u32),
     ]
 }
 
@@ -90,6 +91,7 @@ pub(super) fn encode_shape(scene: &CompiledScene, p: &Prim, meshes: &MeshWords, 
         PrimKind::Superellipsoid => vec![n(s.superellipsoids[ix].xy_power), n(s.superellipsoids[ix].z_power)],
         PrimKind::HeightField => height_field(&s.height_fields[ix], words),
         PrimKind::Isosurface => isosurface(&s.isosurfaces[ix]),
+        PrimKind::JuliaFractal => julia(&s.julias[ix]),
         _ => Vec::new(),
     };
     append(words, new)
@@ -203,5 +205,24 @@ fn isosurface(s: &IsosurfaceShape) -> Vec<u32> {
             w.extend([n(radius), 0, 0]);
         }
     }
+    w
+}
+
+/// Number and function as `julia.wesl` knows them; `None` for functions that it does not.
+pub(super) fn julia_kind(s: &JuliaShape) -> Option<u32> {
+    match (s.hypercomplex, s.function) {
+        (false, JuliaFunction::Sqr) => Some(0),
+        (false, JuliaFunction::Cube) => Some(1),
+        (true, JuliaFunction::Sqr) => Some(2),
+        (true, JuliaFunction::Reciprocal) => Some(3),
+        _ => None,
+    }
+}
+
+fn julia(s: &JuliaShape) -> Vec<u32> {
+    let mut w: Vec<u32> = reals(s.c.to_array()).collect();
+    w.extend([julia_kind(s).unwrap_or(0), s.max_iteration, n(s.precision), n(s.w0)]);
+    w.extend(bits3(s.w_slope));
+    w.extend([n(s.escape_sq), n(s.radius)]);
     w
 }

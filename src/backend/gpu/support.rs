@@ -1,6 +1,7 @@
 //! What the GPU declines. Everything here gives one line that names the feature; the caller renders on the CPU instead.
 //! UNSUPPORTED.md has the same list, under "GPU".
 
+use super::shape_buffers::julia_kind;
 use super::texture_buffers::{TextureRoots, encode_textures};
 use crate::backend::BackendError;
 use crate::compile::geometry::{PrimKind, prim_flags};
@@ -31,6 +32,7 @@ pub(super) const KINDS: &[(PrimKind, &str)] = &[
     (PrimKind::Superellipsoid, "superellipsoid"),
     (PrimKind::HeightField, "height_field"),
     (PrimKind::Isosurface, "isosurface"),
+    (PrimKind::JuliaFractal, "julia_fractal"),
 ];
 /// Kinds whose hits say where on a side they are.
 pub(super) const PLACED: &[PrimKind] = &[PrimKind::Lathe, PrimKind::Prism];
@@ -101,6 +103,9 @@ fn obstacles(scene: &CompiledScene) -> Vec<String> {
         (scene.geometry.shapes.polys.iter().any(|s| s.order > MOST_POLY_ORDER), "polynomials of an order above 10"),
     ];
     let mut list = unknown_shapes(scene);
+    if scene.geometry.shapes.julias.iter().any(|s| julia_kind(s).is_none()) {
+        list.push("julia fractals of other functions than square, cube and reciprocal".into());
+    }
     list.extend(listed.iter().filter(|(holds, _)| *holds).map(|(_, what)| (*what).to_owned()));
     list
 }
