@@ -109,7 +109,7 @@ pub trait PacketVisitor {
 }
 
 impl Bvh8 {
-    /// Visits leaves along the rays of a packet, near ones first, in a kernel that [`simd::run_widest`] runs. `far` holds how far each ray
+    /// Visits leaves along the rays of a packet, near ones first, in a kernel that [`crate::math::simd::run_widest`] runs. `far` holds how far each ray
     /// looks, rounded up; below all where there is no ray.
     #[inline(always)]
     pub fn visit_packet<S: Simd>(&self, simd: S, packet: &Packet, t_min: f64, far: &mut Fars, visitor: &mut impl PacketVisitor) {
