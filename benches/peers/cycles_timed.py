@@ -9,6 +9,9 @@ import resource
 import sys
 import time
 
+# Blender's own setting is no limit: with one thread asked for two were busy.
+os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: int(sys.argv[6])])
+
 import bpy
 
 

@@ -94,7 +94,7 @@ def build():
     c = text["camera"]
     scene = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": text["max_depth"], "rr_depth": 5},
+        "integrator": {"type": "path", "max_depth": text["max_depth"], "rr_depth": 5, "hide_emitters": True},
         "sensor": {
             "type": "perspective", "fov": c["fov_x"], "fov_axis": "x", "near_clip": 1e-3, "far_clip": 1e5,
             "to_world": T().look_at(origin=c["origin"], target=c["target"], up=c["up"]),

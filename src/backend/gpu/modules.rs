@@ -50,6 +50,7 @@ pub const MODULES: &[(&str, &str)] = modules![
     "path/thin_film",
     "path/trace_paths",
     "path/transparency",
+    "path/triangle",
     "path/volume",
     "path/volume_phase",
     "path/volume_step",

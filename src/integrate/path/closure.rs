@@ -47,6 +47,13 @@ pub struct Shading {
 }
 
 impl Shading {
+    /// Nothing yet.
+    #[inline]
+    pub fn new(surface: &Surface) -> Self {
+        let lobes = LobeSet::new(surface.normal.as_vec3(), surface.flat.as_vec3());
+        Self { lobes, transparent: Vec3::ZERO, emission: Vec3::ZERO, subsurface: None, holdout: 0.0 }
+    }
+
     /// Mean normal of all that the surface does, by weight.
     pub fn mean_normal(&self, surface: &Surface) -> Vec3 {
         let lobes: Vec3 = self.lobes.lobes().map(|l| l.frame.n * mean(l.weight)).sum();
@@ -77,19 +84,23 @@ impl View {
 pub(super) struct Builder<'b, 's> {
     pub(super) surface: &'b Surface<'s>,
     pub(super) view: View,
-    pub(super) out: Shading,
+    /// In place: a [`Shading`] has room for many lobes, which copies of it would carry along.
+    pub(super) out: &'b mut Shading,
 }
 
-/// What a hit does to light. Without a surface light goes straight on.
-pub fn shade(closure: Option<&Closure>, surface: &Surface, view: View) -> Shading {
-    let lobes = LobeSet::new(surface.normal.as_vec3(), surface.flat.as_vec3());
-    let out = Shading { lobes, transparent: Vec3::ZERO, emission: Vec3::ZERO, subsurface: None, holdout: 0.0 };
-    let mut b = Builder { surface, view, out };
+/// Adds what a hit does to light to `out`. Without a surface light goes straight on.
+pub fn shade(closure: Option<&Closure>, surface: &Surface, view: View, out: &mut Shading) {
     match closure {
-        Some(c) => b.add(c, Vec3::ONE),
-        None => b.out.transparent = Vec3::ONE,
+        Some(c) => Builder { surface, view, out }.add(c, Vec3::ONE),
+        None => out.transparent = Vec3::ONE,
     }
-    b.out
+}
+
+/// The same by itself.
+fn shaded(c: &Closure, surface: &Surface) -> Shading {
+    let mut out = Shading::new(surface);
+    shade(Some(c), surface, View::plain(true), &mut out);
+    out
 }
 
 /// Share that goes straight on, for shadow rays.
@@ -104,7 +115,7 @@ pub fn transparency(closure: Option<&Closure>, surface: &Surface) -> Rgb {
 fn straight_on(c: &Closure, s: &Surface) -> Rgb {
     match c {
         // Its layers dim what goes through a pane, which the lobes know.
-        Closure::Principled(p) if p.is_pane() => shade(Some(c), s, View::plain(true)).transparent,
+        Closure::Principled(p) if p.is_pane() => shaded(c, s).transparent,
         Closure::Principled(p) => Vec3::splat(1.0 - s.scalar(&p.alpha).clamp(0.0, 1.0)),
         Closure::Transparent { color } => s.color(color).max(Vec3::ZERO),
         Closure::Mix { factor, a, b } => {
@@ -126,7 +137,7 @@ pub fn emission(c: &Closure, s: &Surface) -> Rgb {
         }
         Closure::Add(a, b) => emission(a, s) + emission(b, s),
         // Coat and sheen dim it, which the lobes know.
-        Closure::Principled(_) => shade(Some(c), s, View::plain(true)).emission,
+        Closure::Principled(_) => shaded(c, s).emission,
         _ => Vec3::ZERO,
     }
 }

@@ -13,7 +13,7 @@ use crate::kernel::bsdf::frame::Frame;
 use crate::kernel::bsdf::fresnel::{Fresnel, dielectric};
 use crate::kernel::bsdf::ggx::Ggx;
 use crate::kernel::bsdf::microfacet::Microfacet;
-use crate::kernel::bsdf::{LobeKind, LobeSet};
+use crate::kernel::bsdf::LobeKind;
 use crate::kernel::cover::{Cover, for_covers, pattern_point};
 use crate::kernel::finish::reflectivity;
 use crate::kernel::pigment::eval_pigment;
@@ -57,22 +57,17 @@ impl PathPlan<'_> {
     }
 
     /// Lobes of a hit on a POV-Ray texture.
-    pub(super) fn pov_shading(&self, surface: &Surface, cover: PlainCover, view: View) -> Shading {
-        let lobes = LobeSet::new(surface.normal.as_vec3(), surface.flat.as_vec3());
-        let out = Shading { lobes, transparent: Vec3::ZERO, emission: Vec3::ZERO, subsurface: None, holdout: 0.0 };
-        let mut b = Builder { surface, view, out };
-        if let Some(c) = cover {
-            let p = pattern_point(self.scene, &surface.hit, surface.prim, c.transform_ix, surface.normal, -surface.v.as_dvec3());
-            b.texture(self, c.texture, &p, Vec3::ONE, 0);
-        } else {
-            b.out.transparent = Vec3::ONE;
-        }
-        b.out
+    pub(super) fn pov_shading(&self, surface: &Surface, cover: PlainCover, view: View, out: &mut Shading) {
+        let Some(c) = cover else { return out.transparent = Vec3::ONE };
+        let p = pattern_point(self.scene, &surface.hit, surface.prim, c.transform_ix, surface.normal, -surface.v.as_dvec3());
+        Builder { surface, view, out }.texture(self, c.texture, &p, Vec3::ONE, 0);
     }
 
     /// What a shadow ray keeps at a POV-Ray texture: what goes straight on.
     pub(super) fn pov_transparency(&self, surface: &Surface, cover: PlainCover) -> Rgb {
-        self.pov_shading(surface, cover, View::plain(false)).transparent
+        let mut out = Shading::new(surface);
+        self.pov_shading(surface, cover, View::plain(false), &mut out);
+        out.transparent
     }
 }
 

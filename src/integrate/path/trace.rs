@@ -272,10 +272,11 @@ impl<'p> PathTracer<'p> {
             // Light that goes below a surface would not be seen behind a diffuse one. Source: Cycles (measured).
             below: !path.bounces.has_been_diffuse(),
         };
-        let mut shading = match shader {
-            Some(shader) => shade(shader.surface.as_ref(), &surface, view),
-            None => plan.pov_shading(&surface, cover, view),
-        };
+        let mut shading = Shading::new(&surface);
+        match shader {
+            Some(shader) => shade(shader.surface.as_ref(), &surface, view, &mut shading),
+            None => plan.pov_shading(&surface, cover, view, &mut shading),
+        }
         shading.lobes.widen(least_width(s.filter_glossy, path.min_pdf));
         if path.bounces.total == 0 {
             self.split_at_catcher(path, &surface, hit, survival);
@@ -287,7 +288,7 @@ impl<'p> PathTracer<'p> {
             let along = o.travelled + surface.hit.t;
             let pdf = if o.pdf.is_finite() {
                 let from_last = SurfaceHit { t: along, ..surface.hit };
-                plan.lights.triangle_density(plan.scene, &from_last, o.select, o.normal, path.ray.dir, path.time)
+                plan.lights.triangle_density(plan.scene, &from_last, (o.point, o.select, o.normal), path.ray.dir, path.time)
             } else {
                 0.0
             };

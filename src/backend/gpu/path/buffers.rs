@@ -15,6 +15,7 @@ use crate::accel::AccelKind;
 use crate::backend::BackendError;
 use crate::compile::CompiledScene;
 use crate::integrate::path::PathPlan;
+use crate::integrate::path::lights::triangle;
 use crate::math::Bounds;
 use crate::math::sobol::direction_table;
 use crate::scene::Projection;
@@ -23,7 +24,7 @@ use std::collections::HashMap;
 /// Most lobes of a hit, as on the CPU.
 const MAX_LOBES: u32 = 12;
 /// Rectangles seen smaller than that are drawn by area: the sum of their angles has few digits at 32 bits.
-const LEAST_SOLID_ANGLE: f32 = 0.01;
+const LEAST_SOLID_ANGLE: f32 = triangle::LEAST_SOLID_ANGLE as f32;
 const LOBES: [&str; 6] = ["LAMBERT", "OREN_NAYAR", "TRANSLUCENT", "MICROFACET", "SHEEN", "HAIR"];
 const FRESNELS: [&str; 5] = ["MIRROR", "CLEAR", "DIELECTRIC", "F82", "FILM"];
 
@@ -144,6 +145,7 @@ fn name_constants(o: &mut ShaderOptions, room: Room, nodes_at: u32) {
     ];
     constants.iter().for_each(|(name, v)| o.constant(name, *v));
     o.constant("LEAST_SOLID_ANGLE", LEAST_SOLID_ANGLE);
+    o.constant("MOST_SOLID_ANGLE", triangle::MOST_SOLID_ANGLE as f32);
     for (prefix, names) in [("LOBE", &LOBES[..]), ("FRESNEL", &FRESNELS[..])] {
         (0u32..).zip(names).for_each(|(k, n)| o.constant(&format!("{prefix}_{n}"), k));
     }

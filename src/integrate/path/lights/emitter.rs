@@ -1,7 +1,7 @@
 //! Shining triangles of meshes as lights.
 
-use super::LightSample;
 use super::tree::TreeLight;
+use super::{LightSample, triangle};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{PrimKind, prim_flags};
 use crate::compile::texture::TextureNode;
@@ -31,6 +31,8 @@ pub struct Emitter {
     /// Only its front is sampled: the back cannot be seen.
     pub front_only: bool,
     moves: bool,
+    /// What it shines with, where that is the same everywhere and in all directions.
+    even: Option<Rgb>,
 }
 
 /// All of them.
@@ -60,6 +62,14 @@ fn mean_emission(c: &Closure) -> Rgb {
         Closure::Mix { a, b, .. } => 0.5 * (mean_emission(a) + mean_emission(b)),
         Closure::Add(a, b) => mean_emission(a) + mean_emission(b),
         _ => Vec3::ZERO,
+    }
+}
+
+/// The radiance of a closure, where it is the same everywhere and in all directions.
+fn even_emission(c: &Closure) -> Option<Rgb> {
+    match c {
+        Closure::Emission { color, strength } => Some(color.as_constant()? * strength.as_constant()?),
+        _ => None,
     }
 }
 
@@ -157,7 +167,9 @@ impl Emitters {
                     reach_rad: 0.5 * PI,
                     energy: radiances[shader as usize] * area,
                 });
-                all.list.push(Emitter { prim_ix: prim_ix as u32, face_ix: face as u32, shader, corners, normal, area, front_only, moves });
+                let even = shaders[shader as usize].surface.as_ref().and_then(even_emission);
+                let (prim_ix, face_ix) = (prim_ix as u32, face as u32);
+                all.list.push(Emitter { prim_ix, face_ix, shader, corners, normal, area, front_only, moves, even });
             }
             if !by_face.is_empty() {
                 let all_faces = by_face.len() == mesh.faces.len();
@@ -200,9 +212,7 @@ impl Emitter {
     /// A point of it as seen from `from`.
     pub fn sample(&self, scene: &CompiledScene, shaders: &[Arc<Shader>], from: DVec3, time: f64, [u, v]: [f32; 2]) -> Option<LightSample> {
         let (c, normal, area) = self.corners_at(scene, time);
-        // Source: Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
-        let (u, v) = (f64::from(u), f64::from(v));
-        let (b1, b2) = if v > u { (0.5 * u, v - 0.5 * u) } else { (u - 0.5 * v, 0.5 * v) };
+        let (b1, b2) = triangle::sample(c, from, [u.into(), v.into()]);
         let point = c[0] + b1 * (c[1] - c[0]) + b2 * (c[2] - c[0]);
         let to = point - from;
         let d_sq = to.length_squared();
@@ -212,28 +222,31 @@ impl Emitter {
         if cos == 0.0 || !(distance > 0.0) || (self.front_only && cos < 0.0) {
             return None;
         }
-        let hit = SurfaceHit {
-            t: distance,
-            prim_ix: self.prim_ix,
-            face_ix: self.face_ix,
-            point,
-            normal,
-            uv: self.uv(scene, b1, b2),
-            barycentric: DVec2::new(b1, b2),
-        };
-        let surface = Surface::new(scene, hit, dir, time);
-        let radiance = shaders[self.shader as usize].surface.as_ref().map_or(Vec3::ZERO, |c| emission(c, &surface));
-        Some(LightSample { dir, distance, radiance, pdf: (d_sq / (cos.abs() * area)) as f32, ..LightSample::NONE })
+        let radiance = self.even.unwrap_or_else(|| {
+            let hit = SurfaceHit {
+                t: distance,
+                prim_ix: self.prim_ix,
+                face_ix: self.face_ix,
+                point,
+                normal,
+                uv: self.uv(scene, b1, b2),
+                barycentric: DVec2::new(b1, b2),
+            };
+            let surface = Surface::new(scene, hit, dir, time);
+            shaders[self.shader as usize].surface.as_ref().map_or(Vec3::ZERO, |c| emission(c, &surface))
+        });
+        let pdf = triangle::density(c, from, area, d_sq, cos) as f32;
+        Some(LightSample { dir, distance, radiance, pdf, ..LightSample::NONE })
     }
 
-    /// Density with which [`Self::sample`] draws a hit by a ray along `dir` of length `t`.
-    pub fn density(&self, scene: &CompiledScene, dir: DVec3, t: f64, time: f64) -> f32 {
-        let (_, normal, area) = self.corners_at(scene, time);
+    /// Density with which [`Self::sample`] draws a hit by a ray from `from` along `dir` of length `t`.
+    pub fn density(&self, scene: &CompiledScene, from: DVec3, dir: DVec3, t: f64, time: f64) -> f32 {
+        let (corners, normal, area) = self.corners_at(scene, time);
         let cos = -dir.dot(normal);
         if self.front_only && cos < 0.0 {
             return 0.0;
         }
-        (t * t / (cos.abs() * area)) as f32
+        triangle::density(corners, from, area, t * t, cos) as f32
     }
 
     fn uv(&self, scene: &CompiledScene, b1: f64, b2: f64) -> DVec2 {

@@ -10,6 +10,7 @@ pub mod sky;
 #[cfg(test)]
 mod tests;
 pub mod tree;
+pub mod triangle;
 
 use crate::compile::{CompiledLight, CompiledScene};
 use crate::kernel::SurfaceHit;
@@ -312,12 +313,20 @@ impl LightSet {
         }
     }
 
-    /// Density with which the triangle of a hit is drawn from `p`, `n`; 0 when it is not one that is sampled.
-    pub fn triangle_density(&self, scene: &CompiledScene, hit: &SurfaceHit, p: DVec3, n: Option<DVec3>, dir: DVec3, time: f64) -> f32 {
+    /// Density with which the triangle of a hit, at depth `hit.t` from `p`, is drawn from there, where lights are chosen for `select` with
+    /// normal `n`; 0 when it is not one that is sampled.
+    pub fn triangle_density(
+        &self,
+        scene: &CompiledScene,
+        hit: &SurfaceHit,
+        (p, select, n): (DVec3, DVec3, Option<DVec3>),
+        dir: DVec3,
+        time: f64,
+    ) -> f32 {
         let Some(k) = self.emitters.of_hit(hit) else { return 0.0 };
-        let shares = self.shares(scene, p, n);
-        let chance = self.tree.chance(self.tree_lamps.len() as u32 + k, p, n) * shares.tree / shares.total;
-        self.emitters.list[k as usize].density(scene, dir, hit.t, time) * chance as f32
+        let shares = self.shares(scene, select, n);
+        let chance = self.tree.chance(self.tree_lamps.len() as u32 + k, select, n) * shares.tree / shares.total;
+        self.emitters.list[k as usize].density(scene, p, dir, hit.t, time) * chance as f32
     }
 
     /// Density with which the environment's direction `dir` is drawn.
