@@ -304,7 +304,7 @@ fn nearest_of(first: u32, count: u32, mut best: f64, hit: &mut impl FnMut(u32, f
 
 /// Whether there is anything to look for: finite numbers, a direction, depths in the interval.
 #[inline]
-fn can_meet(ray: &Ray, t_min: f64, t_max: f64) -> bool {
+pub fn can_meet(ray: &Ray, t_min: f64, t_max: f64) -> bool {
     ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != crate::math::DVec3::ZERO && t_min <= t_max && t_max >= 0.0
 }
 

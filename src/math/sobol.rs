@@ -89,11 +89,22 @@ pub fn sobol4(seed: u32, index: u32, set: u32) -> [f32; 4] {
     // Bits of the index are reversed for the shuffle and back.
     let index = scramble(index.reverse_bits(), seed).reverse_bits();
     let t = &*TABLE;
-    let [a, b, c, d] = index.to_le_bytes().map(usize::from);
-    std::array::from_fn(|k| {
-        let v = t[0][a][k] ^ t[1][b][k] ^ t[2][c][k] ^ t[3][d][k];
-        unit_f32(scramble(v, hash(seed ^ (k as u32 + 1).wrapping_mul(0x85eb_ca6b))).reverse_bits())
-    })
+    let [a, b, c, d] = index.to_le_bytes().map(|byte| usize::from(byte));
+    let (a, b, c, d) = (&t[0][a], &t[1][b], &t[2][c], &t[3][d]);
+    // Loops over all four, step by step: compilers make vectors of them.
+    let mut seeds = [0u32; 4];
+    let mut v = [0u32; 4];
+    for k in 0..4 {
+        seeds[k] = hash(seed ^ (k as u32 + 1).wrapping_mul(0x85eb_ca6b));
+    }
+    for k in 0..4 {
+        v[k] = scramble(a[k] ^ b[k] ^ c[k] ^ d[k], seeds[k]);
+    }
+    let mut out = [0.0; 4];
+    for k in 0..4 {
+        out[k] = unit_f32(v[k].reverse_bits());
+    }
+    out
 }
 
 /// Plain random numbers for chains without a bounded number of draws (walks in volumes). Source: O'Neill 2014, PCG-RXS-M-XS-32.

@@ -103,7 +103,8 @@ impl PathTracer<'_> {
         let mut lobes = LobeSet::new(n, surface.flat.as_vec3());
         lobes.push(Lobe { weight: Vec3::ONE, chance: 1.0, frame: Frame::about(n), kind: LobeKind::Lambert, is_bent: false });
         path.step += 1;
-        self.add_direct(path, &surface, &lobes);
+        let light = path.sampler.at(path.step, Set::Light);
+        self.add_direct(path, &surface, &lobes, light);
         let Some(b) = lobes.sample(n, path.sampler.at(path.step, Set::Bsdf)) else { return false };
         path.throughput *= b.value / b.pdf;
         if !(path.throughput.max_element() > 0.0) {

@@ -303,18 +303,25 @@ impl<'p> PathTracer<'p> {
         if survival <= 0.0 {
             return false;
         }
-        let [.., roulette] = path.sampler.at(path.step, Set::Light);
+        let light = path.sampler.at(path.step, Set::Light);
         if survival < 1.0 {
-            if roulette >= survival {
+            if light[3] >= survival {
                 return false;
             }
             path.throughput /= survival;
         }
-        self.go_on(path, &surface, &shading, shader)
+        self.go_on(path, &surface, &shading, shader, light)
     }
 
-    /// Draws what happens at a surface.
-    fn go_on(&mut self, path: &mut Path, surface: &Surface, shading: &Shading, shader: Option<&crate::scene::Shader>) -> bool {
+    /// Draws what happens at a surface; `light` is its [`Set::Light`].
+    fn go_on(
+        &mut self,
+        path: &mut Path,
+        surface: &Surface,
+        shading: &Shading,
+        shader: Option<&crate::scene::Shader>,
+        light: [f32; 4],
+    ) -> bool {
         let plan = self.plan;
         let straight = shading.transparent.element_sum() / 3.0;
         let below = shading.subsurface.as_ref().map_or(0.0, |s| s.weight.element_sum() / 3.0);
@@ -327,7 +334,7 @@ impl<'p> PathTracer<'p> {
             return false;
         }
         if !path.bounces.is_last && shading.lobes.is_smooth() {
-            self.add_direct(path, surface, &shading.lobes);
+            self.add_direct(path, surface, &shading.lobes, light);
         }
         let choice = if straight > 0.0 || below > 0.0 { path.sampler.at(path.step, Set::Choice)[0] * total } else { f32::MAX };
         if choice < straight {
@@ -394,12 +401,11 @@ impl<'p> PathTracer<'p> {
     }
 
     /// Light that comes straight from a lamp, a shining face or the sky.
-    pub(super) fn add_direct(&mut self, path: &mut Path, surface: &Surface, lobes: &LobeSet) {
+    pub(super) fn add_direct(&mut self, path: &mut Path, surface: &Surface, lobes: &LobeSet, [u, v, pick, _]: [f32; 4]) {
         let plan = self.plan;
         if plan.lights.is_empty() || plan.features_only {
             return;
         }
-        let [u, v, pick, _] = path.sampler.at(path.step, Set::Light);
         let normal = light_normal(lobes);
         let point = surface.hit.point;
         let Some(light) = plan.lights.sample(plan.scene, &plan.shaders, point, normal, path.time, [u, v, pick]) else { return };

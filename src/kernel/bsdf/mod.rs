@@ -17,6 +17,7 @@ pub mod thin_film;
 
 use crate::math::{Rgb, Vec3};
 use crate::scene::Visibility;
+use arrayvec::ArrayVec;
 use diffuse::OrenNayar;
 use frame::{Frame, cosine_hemisphere};
 use hair::Hair;
@@ -222,8 +223,8 @@ const MAX_LOBES: usize = 12;
 /// All lobes of a surface at a point.
 #[derive(Clone, Debug)]
 pub struct LobeSet {
-    lobes: [Option<Lobe>; MAX_LOBES],
-    n: usize,
+    /// In place, and what is not used is not written.
+    lobes: ArrayVec<Lobe, MAX_LOBES>,
     total: f32,
     /// Smooth shading normal, unit, on the viewer's side.
     pub normal: Vec3,
@@ -249,21 +250,20 @@ fn bump_shadow(smooth: Vec3, bent: Vec3, l: Vec3) -> f32 {
 impl LobeSet {
     /// No lobes yet.
     pub fn new(normal: Vec3, flat: Vec3) -> Self {
-        Self { lobes: [const { None }; MAX_LOBES], n: 0, total: 0.0, normal, flat }
+        Self { lobes: ArrayVec::new(), total: 0.0, normal, flat }
     }
 
     /// Adds a lobe unless it is black.
     pub fn push(&mut self, lobe: Lobe) {
-        if self.n < MAX_LOBES && lobe.chance > 0.0 && lobe.weight.max_element() > 0.0 {
+        if !self.lobes.is_full() && lobe.chance > 0.0 && lobe.weight.max_element() > 0.0 {
             self.total += lobe.chance;
-            self.lobes[self.n] = Some(lobe);
-            self.n += 1;
+            self.lobes.push(lobe);
         }
     }
 
     /// The lobes.
     pub fn lobes(&self) -> impl Iterator<Item = &Lobe> {
-        self.lobes[..self.n].iter().flatten()
+        self.lobes.iter()
     }
 
     /// Makes mirror lobes and hair at least so wide (roughness squared); their weights stay as they are. Source: Cycles (suite
@@ -272,7 +272,7 @@ impl LobeSet {
         if least <= 0.0 {
             return;
         }
-        for lobe in self.lobes[..self.n].iter_mut().flatten() {
+        for lobe in &mut self.lobes {
             match &mut lobe.kind {
                 LobeKind::Microfacet(m) => m.ggx = ggx::Ggx { ax: m.ggx.ax.max(least), ay: m.ggx.ay.max(least) },
                 LobeKind::Hair(h) => h.widen(least),
@@ -283,7 +283,7 @@ impl LobeSet {
 
     /// Whether there is nothing.
     pub fn is_empty(&self) -> bool {
-        self.n == 0
+        self.lobes.is_empty()
     }
 
     /// Sum of the chances.
@@ -431,11 +431,11 @@ impl LobeSet {
 
     /// Draws a direction; `u` are four numbers in 0..1. `None`: the light is lost.
     pub fn sample(&self, v: Vec3, u: [f32; 4]) -> Option<BsdfSample> {
-        if self.n == 0 {
+        if self.lobes.is_empty() {
             return None;
         }
         let mut target = u[3] * self.total;
-        let mut ix = self.n - 1;
+        let mut ix = self.lobes.len() - 1;
         for (k, lobe) in self.lobes().enumerate() {
             if target < lobe.chance {
                 ix = k;
@@ -443,10 +443,10 @@ impl LobeSet {
             }
             target -= lobe.chance;
         }
-        let lobe = self.lobes[ix].as_ref()?;
+        let lobe = &self.lobes[ix];
         let s = self.sample_lobe(lobe, v, [u[0], u[1], u[2]])?;
         let (mut value, mut pdf) = (s.value * lobe.weight * self.shade(lobe, s.l), s.pdf * lobe.chance / self.total);
-        if self.n > 1 {
+        if self.lobes.len() > 1 {
             let (f, p) = self.eval_but(v, s.l, ix);
             value += f;
             pdf += p;

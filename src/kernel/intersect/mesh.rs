@@ -2,14 +2,16 @@
 //! Woop, Benthin, Wald 2013.
 
 use super::{HitSink, LocalRay, Part};
-use crate::accel::{Accel, LeafVisitor, PACK};
+use crate::accel::{Accel, LeafVisitor, PACK, can_meet};
 use crate::compile::shape::MeshShape;
 use crate::compile::shape::mesh::Corners;
 use crate::compile::shape::triangle_pack::TrianglePack;
-use crate::math::simd::Simd;
+use crate::math::simd::{self, Kernel, Simd};
 use crate::math::{DVec2, DVec3, MAX_DISTANCE, Ray, Vec3};
 use std::cell::RefCell;
 
+/// Meshes of so many packs are tested face by face, without their tree.
+const FEW_PACKS: usize = 2;
 /// Hits nearer than this are not seen.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
@@ -211,6 +213,27 @@ impl<S: HitSink> LeafVisitor for Crossings<'_, S> {
     }
 }
 
+/// Every face of a small mesh.
+struct AllPacks<'a, S> {
+    found: Crossings<'a, S>,
+    far: f64,
+}
+
+impl<S: HitSink> Kernel for AllPacks<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<Lanes: Simd>(mut self, simd: Lanes) {
+        for k in 0..self.found.packs.len() {
+            // Slots without a face are met by no ray.
+            match self.found.leaf(simd, (k * PACK) as u32, PACK as u32, self.far) {
+                Some(far) => self.far = far,
+                None => return,
+            }
+        }
+    }
+}
+
 /// All crossings of a mesh up to the depth that the sink still wants; one may come twice.
 #[inline]
 pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
@@ -227,7 +250,15 @@ pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
     }
     match (&index.tree, &index.corners) {
         (Accel::Bvh8(tree), Corners::Packs(packs)) => {
-            tree.visit_leaves(&walked, 0.0, far, Crossings { packs, faces: &tree.slots, ..found });
+            let found = Crossings { packs, faces: &tree.slots, ..found };
+            // A few faces are tested sooner than their boxes.
+            if packs.len() <= FEW_PACKS {
+                if can_meet(&walked, 0.0, far) {
+                    simd::run(AllPacks { found, far });
+                }
+            } else {
+                tree.visit_leaves(&walked, 0.0, far, found);
+            }
         }
         (tree, _) => tree.closest_slots(&walked, 0.0, far, |slot, far| {
             let hit = sheared.hit(&index.slot_corners(slot))?;

@@ -212,7 +212,8 @@ impl Emitter {
     /// A point of it as seen from `from`.
     pub fn sample(&self, scene: &CompiledScene, shaders: &[Arc<Shader>], from: DVec3, time: f64, [u, v]: [f32; 2]) -> Option<LightSample> {
         let (c, normal, area) = self.corners_at(scene, time);
-        let (b1, b2) = triangle::sample(c, from, [u.into(), v.into()]);
+        let drawn = triangle::sample(c, from, [u.into(), v.into()]);
+        let [b1, b2] = drawn.weights;
         let point = c[0] + b1 * (c[1] - c[0]) + b2 * (c[2] - c[0]);
         let to = point - from;
         let d_sq = to.length_squared();
@@ -235,7 +236,7 @@ impl Emitter {
             let surface = Surface::new(scene, hit, dir, time);
             shaders[self.shader as usize].surface.as_ref().map_or(Vec3::ZERO, |c| emission(c, &surface))
         });
-        let pdf = triangle::density(c, from, area, d_sq, cos) as f32;
+        let pdf = drawn.density.unwrap_or_else(|| triangle::density_by_area(area, d_sq, cos)) as f32;
         Some(LightSample { dir, distance, radiance, pdf, ..LightSample::NONE })
     }
 

@@ -47,27 +47,42 @@ impl Spherical {
     }
 }
 
-/// A point of the triangle drawn for `from`: weights of its second and third corner.
-pub fn sample([c0, c1, c2]: [DVec3; 3], from: DVec3, [u, v]: [f64; 2]) -> (f64, f64) {
-    let (e1, e2) = (c1 - c0, c2 - c0);
-    let met = Spherical::new([c0, c1, c2], from).and_then(|s| s.direction(u, v)).and_then(|dir| {
+/// A point of a triangle drawn for another.
+#[derive(Clone, Copy, Debug)]
+pub struct TrianglePoint {
+    /// Weights of the second and the third corner.
+    pub weights: [f64; 2],
+    /// 1/sr; `None` where it was drawn evenly over the area.
+    pub density: Option<f64>,
+}
+
+/// Draws a point of the triangle for `from`.
+pub fn sample([c0, c1, c2]: [DVec3; 3], from: DVec3, [u, v]: [f64; 2]) -> TrianglePoint {
+    let by_angle = || {
+        let s = Spherical::new([c0, c1, c2], from)?;
+        let dir = s.direction(u, v)?;
+        let (e1, e2, to) = (c1 - c0, c2 - c0, from - c0);
         let p = dir.cross(e2);
-        let (det, to) = (e1.dot(p), from - c0);
-        let weights = (to.dot(p) / det, dir.dot(to.cross(e1)) / det);
-        (weights.0.is_finite() && weights.1.is_finite()).then_some(weights)
-    });
-    if let Some((b1, b2)) = met {
+        let inv = 1.0 / e1.dot(p);
         // Rounding leaves the triangle by a little.
-        let (b1, b2) = (b1.clamp(0.0, 1.0), b2.clamp(0.0, 1.0));
-        let sum = (b1 + b2).max(1.0);
-        return (b1 / sum, b2 / sum);
-    }
-    if v > u { (0.5 * u, v - 0.5 * u) } else { (u - 0.5 * v, 0.5 * v) }
+        let (b1, b2) = ((to.dot(p) * inv).clamp(0.0, 1.0), (dir.dot(to.cross(e1)) * inv).clamp(0.0, 1.0));
+        let share = 1.0 / (b1 + b2).max(1.0);
+        inv.is_finite().then_some(TrianglePoint { weights: [b1 * share, b2 * share], density: Some(1.0 / s.solid_angle) })
+    };
+    by_angle().unwrap_or_else(|| {
+        let weights = if v > u { [0.5 * u, v - 0.5 * u] } else { [u - 0.5 * v, 0.5 * v] };
+        TrianglePoint { weights, density: None }
+    })
+}
+
+/// Density (1/sr) of [`sample`] where it draws by area: at distance squared `d_sq`, under `cos` to the normal.
+pub fn density_by_area(area: f64, d_sq: f64, cos: f64) -> f64 {
+    d_sq / (cos.abs() * area)
 }
 
 /// Density (1/sr) with which [`sample`] draws the point met from `from` at distance squared `d_sq`, under `cos` to the normal.
 pub fn density(corners: [DVec3; 3], from: DVec3, area: f64, d_sq: f64, cos: f64) -> f64 {
-    Spherical::new(corners, from).map_or(d_sq / (cos.abs() * area), |s| 1.0 / s.solid_angle)
+    Spherical::new(corners, from).map_or_else(|| density_by_area(area, d_sq, cos), |s| 1.0 / s.solid_angle)
 }
 
 #[cfg(test)]
@@ -96,11 +111,11 @@ mod tests {
             let (mut drawn, mut by_area) = (0.0, 0.0);
             for _ in 0..n {
                 let u = [f64::from(rng.draw()), f64::from(rng.draw())];
-                let at = |(b1, b2): (f64, f64)| corners[0] + b1 * (corners[1] - corners[0]) + b2 * (corners[2] - corners[0]) - from;
-                let to = at(sample(corners, from, u));
+                let at = |[b1, b2]: [f64; 2]| corners[0] + b1 * (corners[1] - corners[0]) + b2 * (corners[2] - corners[0]) - from;
+                let to = at(sample(corners, from, u).weights);
                 drawn += f(to.normalize()) / density(corners, from, area, to.length_squared(), to.normalize().dot(normal));
                 let root = u[0].sqrt();
-                let to = at((1.0 - root, u[1] * root));
+                let to = at([1.0 - root, u[1] * root]);
                 by_area += f(to.normalize()) * to.normalize().dot(normal).abs() * area / to.length_squared();
             }
             let (drawn, by_area) = (drawn / f64::from(n), by_area / f64::from(n));
