@@ -1,4 +1,4 @@
-"""Renders what src/bench/mitsuba.rs wrote with Mitsuba 3 and times it. Arguments: FOLDER WIDTH HEIGHT SAMPLES SEED THREADS OUT.exr
+"""Renders what src/bench/peer_scene.rs wrote with Mitsuba 3 and times it. Arguments: FOLDER WIDTH HEIGHT SAMPLES SEED THREADS OUT.exr
 Prints "seconds WALL CPU" of building the scene with its tree and of rendering, reading and writing left out; kernels are compiled before.
 Needs Python with mitsuba (pip install mitsuba) and for its llvm_ad_rgb variant an LLVM of 17 or later (apt install libllvm19); without one,
 or with MITSUBA_VARIANT=scalar_rgb, it runs the scalar variant.
@@ -94,7 +94,7 @@ def build():
     c = text["camera"]
     scene = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": text["max_depth"], "rr_depth": 5, "hide_emitters": True},
+        "integrator": {"type": "path", "max_depth": text["max_depth"], "rr_depth": 5},
         "sensor": {
             "type": "perspective", "fov": c["fov_x"], "fov_axis": "x", "near_clip": 1e-3, "far_clip": 1e5,
             "to_world": T().look_at(origin=c["origin"], target=c["target"], up=c["up"]),

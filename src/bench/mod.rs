@@ -4,7 +4,7 @@ pub mod accel;
 mod chart;
 pub mod embree;
 pub mod error_time;
-pub mod mitsuba;
+pub mod peer_scene;
 mod rays;
 pub mod skip;
 pub mod stability;

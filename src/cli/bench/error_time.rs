@@ -4,7 +4,7 @@ use crate::cli::console::{print_error, style};
 use clap::Args;
 use rayloom::backend::cpu::CpuBackend;
 use rayloom::bench::error_time::{AGREEMENT, Mean, Ours, Peer, Point, Renderer, common_reference, means, run as measure, seconds_to};
-use rayloom::bench::mitsuba::export;
+use rayloom::bench::peer_scene::export;
 use rayloom::bench::{Line, log_chart};
 use rayloom::compare::{DEFAULT_MAX_PIXELS, Picture};
 use rayloom::diag::{Severity, Sink, SourceMap, render};
@@ -19,6 +19,7 @@ const TARGETS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 /// Means that are apart by more than this are of other pictures, not of noise.
 const GATE: f64 = 0.01;
 const CYCLES: &str = include_str!("../../../benches/peers/cycles_timed.py");
+const LUXCORE: &str = include_str!("../../../benches/peers/luxcore_timed.py");
 const MITSUBA: &str = include_str!("../../../benches/peers/mitsuba_timed.py");
 
 /// Arguments of `rayloom bench error-time`.
@@ -47,7 +48,7 @@ pub(super) struct ErrorTimeArgs {
     /// Threads of every renderer
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
-    /// Render it with others as well, in turn: `cycles`, `cycles=FILE.blend` for a scene as Blender saved it, `mitsuba` (implies --box-filter)
+    /// Render it with others as well, in turn: `cycles`, `cycles=FILE.blend` for a scene as Blender saved it, `mitsuba`, `luxcore` (both imply --box-filter)
     #[arg(long, value_name = "PROGRAM[=SCENE]", value_delimiter = ',')]
     against: Vec<String>,
     /// Python with bpy, for Cycles
@@ -56,6 +57,9 @@ pub(super) struct ErrorTimeArgs {
     /// Python with mitsuba
     #[arg(long, value_name = "FILE", default_value = "python3")]
     mitsuba_python: PathBuf,
+    /// Python with pyluxcore
+    #[arg(long, value_name = "FILE", default_value = "python3")]
+    luxcore_python: PathBuf,
     /// Write every picture's figures as CSV
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -81,7 +85,7 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
         Some(Err(e)) => return failed(e.to_string(), 4),
         None => None,
     };
-    let boxed = args.box_filter || args.against.iter().any(|a| a == "mitsuba");
+    let boxed = args.box_filter || args.against.iter().any(|a| a == "mitsuba" || a == "luxcore");
     if boxed {
         scene.settings.path.filter = PixelFilter::Box;
     }
@@ -97,11 +101,15 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
         let (program, file) = against.split_once('=').map_or((&against[..], args.scene.clone()), |(p, s)| (p, s.into()));
         let (name, text, python, file) = match program {
             "cycles" => ("Cycles", CYCLES, &args.python, file),
-            "mitsuba" => match export(&scene, folder.path()) {
-                Ok(()) => ("Mitsuba", MITSUBA, &args.mitsuba_python, folder.path().to_owned()),
-                Err(what) => return failed(format!("Mitsuba cannot be asked for this scene: {what}"), 2),
-            },
-            _ => return failed(format!("--against knows 'cycles' and 'mitsuba', not '{program}'"), 2),
+            "mitsuba" | "luxcore" => {
+                if let Err(what) = export(&scene, folder.path()) {
+                    return failed(format!("{program} cannot be asked for this scene: {what}"), 2);
+                }
+                let (name, text, python) =
+                    if program == "mitsuba" { ("Mitsuba", MITSUBA, &args.mitsuba_python) } else { ("LuxCore", LUXCORE, &args.luxcore_python) };
+                (name, text, python, folder.path().to_owned())
+            }
+            _ => return failed(format!("--against knows 'cycles', 'mitsuba' and 'luxcore', not '{program}'"), 2),
         };
         let script = folder.path().join(format!("{program}_timed.py"));
         if let Err(e) = std::fs::write(&script, text) {

@@ -114,6 +114,8 @@ pub struct LightSet {
     pub environment: ReadyEnvironment,
     /// Of a sky with a disc.
     pub sky_sun: Option<SkySun>,
+    /// There is nothing to draw beside the tree, so nothing has to be weighed against it.
+    only_tree: bool,
 }
 
 /// Chances of the kinds of lights at a point.
@@ -165,7 +167,8 @@ impl LightSet {
         lights.extend(triangle_lights);
         let sky_sun = environment.sun().map(|(dir, half, radiance)| SkySun { dir, cos_half: half.cos(), radiance });
         let tree = LightTree::new(&lights);
-        Self { lamps, suns, tree_lamps, tree_of_lamp, emitters, tree, plain, environment, sky_sun }
+        let only_tree = !tree.is_empty() && suns.is_empty() && plain.is_empty() && environment.estimate() == 0.0 && sky_sun.is_none();
+        Self { lamps, suns, tree_lamps, tree_of_lamp, emitters, tree, plain, environment, sky_sun, only_tree }
     }
 
     /// Whether there is nothing to draw from.
@@ -185,6 +188,9 @@ impl LightSet {
     }
 
     fn shares(&self, scene: &CompiledScene, p: DVec3, n: Option<DVec3>) -> Shares {
+        if self.only_tree {
+            return Shares { tree: 1.0, environment: 0.0, sky_sun: 0.0, total: 1.0 };
+        }
         let tree = self.tree.estimate(p, n);
         let environment = self.environment.estimate();
         let sky_sun = self.sky_sun.as_ref().map_or(0.0, |s| {

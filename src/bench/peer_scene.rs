@@ -1,9 +1,10 @@
-//! A scene as `benches/peers/mitsuba_timed.py` reads it: a JSON text and raw faces, for Mitsuba 3 to render the same picture.
+//! A scene as `benches/peers/mitsuba_timed.py` and `luxcore_timed.py` read it: a JSON text and raw faces, for other programs to render the same
+//! picture.
 //!
-//! Meshes and spheres, Lambert, GGX metal, glass, Principled (Mitsuba's own, which is another closure: where it shows, the means differ and
-//! `error-time` says so), shining surfaces, area and point lamps, constant environments. Everything else is an error, with its name.
+//! Meshes, Lambert, GGX metal, glass, Principled (Mitsuba's own, which is another closure: where it shows, the means differ and
+//! `error-time` says so; LuxCore refuses it), shining surfaces, area and point lamps, constant environments. Everything else is an error, with its name.
 
-use crate::math::{DVec3, Rgb, Transform};
+use crate::math::{Bounds, DVec3, Rgb, Transform};
 use crate::scene::camera::Projection;
 use crate::scene::lamp::LampShape;
 use crate::scene::shader::{Closure, PrincipledClosure};
@@ -18,7 +19,7 @@ use std::path::Path;
 pub fn export(scene: &Scene, folder: &Path) -> Result<(), String> {
     let mut shapes = Vec::new();
     for (k, o) in scene.objects.iter().enumerate() {
-        shapes.push(object(o, &format!("mesh{k}.bin"), folder).map_err(|what| format!("object {k}: {what}"))?);
+        shapes.extend(object(o, k, folder).map_err(|what| format!("object {k}: {what}"))?);
     }
     let mut emitters = Vec::new();
     for (k, l) in scene.lights.iter().enumerate() {
@@ -68,7 +69,7 @@ fn camera(scene: &Scene) -> Result<Value, String> {
     Ok(json!({"origin": c.location.to_array(), "target": (c.location + c.direction).to_array(), "up": c.up.to_array(), "fov_x": fov}))
 }
 
-/// Mitsuba's: surfaces on the way, lamp and camera. Where all is Lambert its own limit is the one that counts.
+/// Surfaces on the way, lamp and camera. Where all is Lambert its own limit is the one that counts.
 fn max_depth(scene: &Scene) -> u32 {
     let s = &scene.settings.path;
     let lambert = |o: &Object| {
@@ -78,31 +79,62 @@ fn max_depth(scene: &Scene) -> u32 {
     2 + if scene.objects.iter().all(lambert) { s.diffuse_bounces.min(s.max_bounces) } else { s.max_bounces }
 }
 
-fn object(o: &Object, name: &str, folder: &Path) -> Result<Value, String> {
+/// The shapes of an object: one, or two where it shines. Ours shines on both sides, that of the others on its front: a second mesh, a little
+/// apart, is the back.
+fn object(o: &Object, number: usize, folder: &Path) -> Result<Vec<Value>, String> {
     if !o.clipped_by.is_empty() || !o.bounded_by.is_empty() {
         return Err("it is clipped".into());
     }
     let Some(Texture::Principled(p)) = o.texture.as_deref() else { return Err("its texture is the scene language's".into()) };
     let (material, radiance) = (bsdf(p)?, radiance(p)?);
-    match &o.shape {
-        Shape::Mesh(mesh) => {
-            let smooth = write_mesh(mesh, &o.transform, &folder.join(name))?;
-            Ok(json!({"kind": "mesh", "file": name, "smooth": smooth, "bsdf": material, "radiance": rgb(radiance)}))
-        }
-        other => Err(format!("a shape that is no mesh ({})", format!("{other:?}").split([' ', '(', '{']).next().unwrap_or(""))),
-    }
+    let Shape::Mesh(mesh) = &o.shape else {
+        return Err(format!("a shape that is no mesh ({})", format!("{:?}", o.shape).split([' ', '(', '{']).next().unwrap_or("")));
+    };
+    let sides = if radiance.max_element() > 0.0 { &[Side::Front, Side::Back][..] } else { &[Side::Both] };
+    let shape = |side: &Side| {
+        let name = format!("mesh{number}{}.bin", if *side == Side::Back { "b" } else { "" });
+        let smooth = write_mesh(mesh, &o.transform, *side, &folder.join(&name))?;
+        Ok(json!({"file": name, "smooth": smooth, "bsdf": material, "radiance": rgb(radiance)}))
+    };
+    sides.iter().map(shape).collect()
 }
 
+/// What of a mesh is written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    /// As it is.
+    Both,
+    /// Moved along its normals.
+    Front,
+    /// Moved against them, and turned.
+    Back,
+}
+
+/// How far the sides of a shining mesh are moved, as a share of its size.
+const APART: f64 = 1e-5;
+
 /// Corners face by face in world space, then their normals, as 32-bit floats; whether there are normals.
-fn write_mesh(mesh: &Mesh, t: &Transform, path: &Path) -> Result<bool, String> {
+fn write_mesh(mesh: &Mesh, t: &Transform, side: Side, path: &Path) -> Result<bool, String> {
     if !mesh.face_textures.is_empty() || !mesh.motion.is_empty() {
         return Err("a mesh of several materials, or one that moves".into());
     }
-    let smooth = !mesh.normal_indices.is_empty() && mesh.normal_indices.iter().all(|n| n[0] != u32::MAX);
+    let smooth = side == Side::Both && !mesh.normal_indices.is_empty() && mesh.normal_indices.iter().all(|n| n[0] != u32::MAX);
+    let place = |v: u32| t.point(mesh.vertices[v as usize].as_dvec3());
+    let bounds = Bounds::from_points(mesh.faces.iter().flatten().map(|v| place(*v)));
+    let apart = APART * (bounds.max - bounds.min).length();
     let mut bytes = Vec::with_capacity(mesh.faces.len() * if smooth { 72 } else { 36 });
-    for v in mesh.faces.iter().flatten() {
-        let p = t.point(mesh.vertices[*v as usize].as_dvec3()).as_vec3();
-        bytes.extend(p.to_array().iter().flat_map(|v| v.to_le_bytes()));
+    for face in &mesh.faces {
+        let mut corners = face.map(place);
+        let out = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero() * apart;
+        match side {
+            Side::Both => {}
+            Side::Front => corners = corners.map(|c| c + out),
+            Side::Back => {
+                corners = corners.map(|c| c - out);
+                corners.swap(1, 2);
+            }
+        }
+        bytes.extend(corners.iter().flat_map(|c| c.as_vec3().to_array()).flat_map(f32::to_le_bytes));
     }
     if smooth {
         for n in mesh.normal_indices.iter().flatten() {
@@ -114,7 +146,7 @@ fn write_mesh(mesh: &Mesh, t: &Transform, path: &Path) -> Result<bool, String> {
     Ok(smooth)
 }
 
-/// Mitsuba's closure of a material.
+/// The others' closure of a material.
 fn bsdf(p: &Principled) -> Result<Value, String> {
     let pictures = || Err("a material with pictures".to_owned());
     let Some(shader) = &p.shader else {
@@ -142,7 +174,7 @@ fn bsdf(p: &Principled) -> Result<Value, String> {
             }
         }
         Some(Closure::Principled(c)) => from_principled(c),
-        Some(_) => Err("a material that Mitsuba has no closure for".into()),
+        Some(_) => Err("a material that the others have no closure for".into()),
     }
 }
 
