@@ -105,8 +105,11 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
                 if let Err(what) = export(&scene, folder.path()) {
                     return failed(format!("{program} cannot be asked for this scene: {what}"), 2);
                 }
-                let (name, text, python) =
-                    if program == "mitsuba" { ("Mitsuba", MITSUBA, &args.mitsuba_python) } else { ("LuxCore", LUXCORE, &args.luxcore_python) };
+                let (name, text, python) = if program == "mitsuba" {
+                    ("Mitsuba", MITSUBA, &args.mitsuba_python)
+                } else {
+                    ("LuxCore", LUXCORE, &args.luxcore_python)
+                };
                 (name, text, python, folder.path().to_owned())
             }
             _ => return failed(format!("--against knows 'cycles', 'mitsuba' and 'luxcore', not '{program}'"), 2),

@@ -1,7 +1,7 @@
 //! Where a ray meets a surface, as closures look at it: normals on the viewer's side, texture coordinates, tangents, inputs with values.
 
 use crate::compile::CompiledScene;
-use crate::compile::geometry::{Prim, PrimKind, prim_flags};
+use crate::compile::geometry::{Prim, PrimKind};
 use crate::compile::shape::{HairShape, MeshShape};
 use crate::kernel::SurfaceHit;
 use crate::kernel::material::{mesh_of, picture_uv, sample_picture, vertex_color};
@@ -57,7 +57,7 @@ impl<'s> Surface<'s> {
         let prim = &g.prims[hit.prim_ix as usize];
         let mesh = mesh_of(g, &hit);
         let mut transform = g.transforms[prim.transform_ix as usize];
-        if prim.flags & prim_flags::MOVING != 0 {
+        if prim.flags & crate::compile::geometry::prim_flags::MOVING != 0 {
             transform = transform.then(&motion_at(g, prim, time));
         }
         if let Some(hair) = hair_of(scene, prim) {
@@ -87,15 +87,11 @@ impl<'s> Surface<'s> {
         let corners = mesh.map_or([DVec3::ZERO; 3], |m| m.corners_at(hit.face_ix, time));
         let (front, smooth) = match mesh {
             Some(mesh) => {
+                let [a, b, c] = corners;
+                // Corners run counterclockwise seen from the front; a mirroring transform turns that round.
+                let n = transform.normal((b - a).cross(c - a)).try_normalize().unwrap_or(hit.normal);
                 let is_smooth = mesh.mesh.normal_indices.get(hit.face_ix as usize).is_some_and(|n| n[0] != u32::MAX);
-                // Corners run counterclockwise seen from the front, but clockwise for the hit's normal; a mirroring transform turns that round.
-                if is_smooth || prim.flags & prim_flags::INVERTED != 0 {
-                    let [a, b, c] = corners;
-                    let n = transform.normal((b - a).cross(c - a)).try_normalize().unwrap_or(hit.normal);
-                    (n, if is_smooth { hit.normal } else { n })
-                } else {
-                    (-hit.normal, -hit.normal)
-                }
+                (n, if is_smooth { hit.normal } else { n })
             }
             None => (hit.normal, hit.normal),
         };
@@ -112,7 +108,7 @@ impl<'s> Surface<'s> {
         let g = &self.scene.geometry;
         let motion = |t: f64| motion_at(g, self.prim, t);
         let Some(mesh) = self.mesh.filter(|m| m.moving.is_some()) else {
-            let moves = self.prim.flags & prim_flags::MOVING != 0;
+            let moves = self.prim.flags & crate::compile::geometry::prim_flags::MOVING != 0;
             return if moves { motion(time).point(motion(self.time).inverse_point(self.hit.point)) } else { self.hit.point };
         };
         let [a, b, c] = mesh.corners_at(self.hit.face_ix, time);
