@@ -89,7 +89,7 @@ pub fn sobol4(seed: u32, index: u32, set: u32) -> [f32; 4] {
     // Bits of the index are reversed for the shuffle and back.
     let index = scramble(index.reverse_bits(), seed).reverse_bits();
     let t = &*TABLE;
-    let [a, b, c, d] = index.to_le_bytes().map(|byte| usize::from(byte));
+    let [a, b, c, d] = index.to_le_bytes().map(usize::from);
     let (a, b, c, d) = (&t[0][a], &t[1][b], &t[2][c], &t[3][d]);
     // Loops over all four, step by step: compilers make vectors of them.
     let mut seeds = [0u32; 4];
