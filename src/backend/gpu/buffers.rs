@@ -5,7 +5,7 @@ use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
 use super::material_buffers::{encode_materials, material_constants};
 use super::mesh_buffers::{Boxes, MeshWords, encode_meshes};
 use super::shader::ShaderOptions;
-use super::shape_buffers::{encode_shape, shape_constants};
+use super::shape_buffers::encode_shape;
 use super::support::{FanOut, KINDS, PLACED, fan_out, roots};
 use super::texture_buffers::{TextureWords, encode_textures};
 use super::tree_words::{choose_walk, has_lists, structure_of, words_per_element};
@@ -68,6 +68,15 @@ pub(super) fn bits<const N: usize>(v: [f32; N]) -> [u32; N] {
 
 pub(super) fn bits3(v: DVec3) -> [u32; 3] {
     bits(v3(v))
+}
+
+/// Rows of the way back from a space.
+pub(super) fn inverse_rows(t: &crate::math::Transform) -> [u32; 12] {
+    let (m, d) = (t.inverse.matrix3, t.inverse.translation);
+    std::array::from_fn(|k| {
+        let row = k / 4;
+        ([m.x_axis[row], m.y_axis[row], m.z_axis[row], d[row]][k % 4] as f32).to_bits()
+    })
 }
 
 /// A box rounded and padded outward.
@@ -268,7 +277,10 @@ impl SceneBuffers {
         for (code, name) in STEP_NAMES.iter().enumerate() {
             o.constant(name, code as u32);
         }
-        shape_constants().iter().for_each(|(name, v)| o.constant(name, *v));
+        // Patches are meshes here.
+        for (kind, name) in KINDS.iter().filter(|(kind, _)| *kind != PrimKind::BicubicPatch) {
+            o.constant(&format!("KIND_{}", name.to_uppercase()), *kind as u32);
+        }
         material_constants().into_iter().for_each(|(name, v)| o.constant(&name, v));
         let irid = scene.settings.irid_wavelength;
         let numbers = [

@@ -1,41 +1,14 @@
 //! Shapes other than meshes as words. Twins: `shaders/shared/intersect.wesl` and the modules of single kinds beside it.
 
-use super::buffers::{append, bits, bits3, outward};
+use super::buffers::{append, bits, bits3, inverse_rows, outward};
 use super::mesh_buffers::MeshWords;
 use crate::compile::geometry::{Prim, PrimKind};
 use crate::compile::shape::blob::{BlobElementKind, BlobShape, GROUP};
 use crate::compile::shape::curve::CurveSegment;
 use crate::compile::shape::{HeightFieldShape, IsosurfaceShape, JuliaShape, LatheShape, PolyShape, PrismShape, SorShape};
 use crate::compile::{CompiledScene, NONE};
-use crate::math::{Bounds, DVec2, Transform};
+use crate::math::{Bounds, DVec2};
 use crate::scene::shape::{Container, JuliaFunction};
-
-/// Kinds of primitives, by the names that the shaders know.
-pub(super) fn shape_constants() -> [(&'static str, u32); 21] {
-    [
-        ("KIND_SPHERE", PrimKind::Sphere as u32),
-        ("KIND_BOX", PrimKind::Box as u32),
-        ("KIND_CYLINDER", PrimKind::Cylinder as u32),
-        ("KIND_CONE", PrimKind::Cone as u32),
-        ("KIND_PLANE", PrimKind::Plane as u32),
-        ("KIND_DISC", PrimKind::Disc as u32),
-        ("KIND_TORUS", PrimKind::Torus as u32),
-        ("KIND_TRIANGLE", PrimKind::Triangle as u32),
-        ("KIND_MESH", PrimKind::Mesh as u32),
-        ("KIND_GLYPH", PrimKind::Glyph as u32),
-        ("KIND_POLYGON", PrimKind::Polygon as u32),
-        ("KIND_QUADRIC", PrimKind::Quadric as u32),
-        ("KIND_POLY", PrimKind::Poly as u32),
-        ("KIND_BLOB", PrimKind::Blob as u32),
-        ("KIND_LATHE", PrimKind::Lathe as u32),
-        ("KIND_SOR", PrimKind::Sor as u32),
-        ("KIND_PRISM", PrimKind::Prism as u32),
-        ("KIND_SUPERELLIPSOID", PrimKind::Superellipsoid as u32),
-        ("KIND_HEIGHT_FIELD", PrimKind::HeightField as u32),
-        ("KIND_ISOSURFACE", PrimKind::Isosurface as u32),
-        ("KIND_JULIA", PrimKind::JuliaFractal as u32),
-    ]
-}
 
 /// A number in 32 bits.
 fn n(v: f64) -> u32 {
@@ -146,15 +119,6 @@ fn corners(b: &Bounds) -> [u32; 6] {
     let (low, high) = outward(b);
     let ([a, b, c], [d, e, f]) = (bits(low), bits(high));
     [a, b, c, d, e, f]
-}
-
-/// Rows of the way back from blob space.
-fn inverse_rows(t: &Transform) -> [u32; 12] {
-    let (m, d) = (t.inverse.matrix3, t.inverse.translation);
-    std::array::from_fn(|k| {
-        let row = k / 4;
-        n([m.x_axis[row], m.y_axis[row], m.z_axis[row], d[row]][k % 4])
-    })
 }
 
 fn blob(s: &BlobShape, textures: &[u32], words: &mut Vec<u32>) -> Vec<u32> {

@@ -142,6 +142,33 @@ pub fn emission(c: &Closure, s: &Surface) -> Rgb {
     }
 }
 
+/// The light of a closure, of front and back, where it is the same everywhere.
+pub fn plain_emission(c: &Closure) -> Option<[Rgb; 2]> {
+    let never = |s: &crate::scene::input::Scalar| s.as_constant().is_some_and(|v| v <= 0.0);
+    let both = |a: [Rgb; 2], b: [Rgb; 2], wa: [f32; 2], wb: [f32; 2]| [a[0] * wa[0] + b[0] * wb[0], a[1] * wa[1] + b[1] * wb[1]];
+    match c {
+        Closure::Emission { color, strength } => Some([color.as_constant()? * strength.as_constant()?; 2]),
+        Closure::Principled(p) if never(&p.emission_strength) => Some([Vec3::ZERO; 2]),
+        Closure::Principled(p) if never(&p.sheen_weight) && never(&p.coat_weight) && p.alpha.as_constant() == Some(1.0) => {
+            Some([p.emission_color.as_constant()? * p.emission_strength.as_constant()?; 2])
+        }
+        Closure::Principled(_) => None,
+        Closure::Add(a, b) => Some(both(plain_emission(a)?, plain_emission(b)?, [1.0; 2], [1.0; 2])),
+        Closure::Mix { factor, a, b } => {
+            let (a, b) = (plain_emission(a)?, plain_emission(b)?);
+            match factor {
+                MixFactor::Backfacing => Some([a[0], b[1]]),
+                MixFactor::Scalar(f) if f.as_constant().is_some() => {
+                    let f = f.as_constant()?.clamp(0.0, 1.0);
+                    Some(both(a, b, [1.0 - f; 2], [f; 2]))
+                }
+                _ => (a == [Vec3::ZERO; 2] && b == a).then_some(a),
+            }
+        }
+        _ => Some([Vec3::ZERO; 2]),
+    }
+}
+
 fn mix_factor(f: &MixFactor, s: &Surface) -> f32 {
     let cos = s.v.dot(s.normal.as_vec3()).abs().clamp(0.0, 1.0);
     let value = match f {

@@ -32,9 +32,10 @@ mod volume;
 
 pub use adaptive::{NoiseMap, STEP};
 pub use catcher::{has_catchers, makes_holes};
+pub use closure::plain_emission;
 pub use passes::manifests;
 pub use plan::PathPlan;
 pub use pov::left_out;
 pub use shadow::NEAR;
 pub use trace::{PathTracer, PixelResult};
-pub use volume::{WORLD as WORLD_BODY, grid_summary};
+pub use volume::{MAX_BODIES, WORLD as WORLD_BODY, grid_summary};

@@ -18,7 +18,7 @@ use crate::scene::{Shader, Volume};
 use std::f32::consts::PI;
 
 /// Bodies that a ray may be inside at once; what is beyond is left out.
-const MAX_BODIES: usize = 8;
+pub const MAX_BODIES: usize = 8;
 /// The world's volume.
 pub const WORLD: u32 = u32::MAX - 1;
 const NOBODY: u32 = u32::MAX;

@@ -218,7 +218,7 @@ impl Lobe {
 }
 
 /// Most lobes of a surface; what exceeds them is left out, the weakest first come first served.
-const MAX_LOBES: usize = 12;
+pub const MAX_LOBES: usize = 12;
 
 /// All lobes of a surface at a point.
 #[derive(Clone, Debug)]

@@ -16,13 +16,12 @@ use crate::backend::BackendError;
 use crate::compile::CompiledScene;
 use crate::integrate::path::PathPlan;
 use crate::integrate::path::lights::triangle;
+use crate::kernel::bsdf::MAX_LOBES;
 use crate::math::Bounds;
 use crate::math::sobol::direction_table;
 use crate::scene::Projection;
 use std::collections::HashMap;
 
-/// Most lobes of a hit, as on the CPU.
-const MAX_LOBES: u32 = 12;
 /// Rectangles seen smaller than that are drawn by area: the sum of their angles has few digits at 32 bits.
 const LEAST_SOLID_ANGLE: f32 = triangle::LEAST_SOLID_ANGLE as f32;
 const LOBES: [&str; 6] = ["LAMBERT", "OREN_NAYAR", "TRANSLUCENT", "MICROFACET", "SHEEN", "HAIR"];
@@ -124,7 +123,7 @@ fn shader_options(
 fn name_constants(o: &mut ShaderOptions, room: Room, nodes_at: u32) {
     let constants = [
         ("WORKGROUP", super::super::device::WORKGROUP),
-        ("MAX_LOBES", room.lobes.clamp(1, MAX_LOBES)),
+        ("MAX_LOBES", room.lobes.clamp(1, MAX_LOBES as u32)),
         ("CLOSURE_STACK", room.stack.max(1)),
         ("MAX_CLOSURES", room.closures.max(1)),
         ("NODES_AT", nodes_at),

@@ -1,9 +1,9 @@
 //! All faces of a scene in world space under one tree, for the path integrator: instances are written out.
 //! Twins: `shaders/path/surface.wesl`, `shaders/path/scene.wesl`.
 
+use super::super::buffers::inverse_rows;
 use super::super::tree_words::{TreeWords, structure_of};
 use super::motion::Keys;
-use super::volumes::inverse_rows;
 use crate::accel::{Accel, AccelKind, PrimSet, TrianglePrims};
 use crate::backend::BackendError;
 use crate::compile::geometry::{Prim, PrimKind, prim_flags};

@@ -1,17 +1,15 @@
 //! Volumes as words: what fills each material's bodies and the world, grids, bodies around the camera. Twin: `shaders/path/volume.wesl`.
 
-use super::super::buffers::{append, bits};
+use super::super::buffers::{append, bits, inverse_rows};
 use super::inputs::Encoder;
 use crate::compile::CompiledScene;
-use crate::integrate::path::{PathPlan, WORLD_BODY, grid_summary};
+use crate::integrate::path::{MAX_BODIES, PathPlan, WORLD_BODY, grid_summary};
 use crate::math::{Rgb, Transform};
 use crate::scene::Volume;
 use crate::scene::volume::{Density, Grid};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Most bodies that a ray may be inside at once, as on the CPU.
-const MAX_BODIES: usize = 8;
 /// Words of a volume: name and length.
 const VOLUME: &[(&str, u32)] =
     &[("ABSORPTION", 3), ("SCATTERING", 3), ("EMISSION", 3), ("ANISOTROPY", 1), ("GRID", 1), ("MOST", 1), ("AVERAGE", 1)];
@@ -56,12 +54,6 @@ impl Volumes {
             .or_insert_with(|| append(words, d.grid.size.into_iter().chain(d.grid.cells.iter().map(|v| v.to_bits()))));
         append(words, inverse_rows(&d.transform).into_iter().chain([cells]))
     }
-}
-
-/// Rows of the map from the world into a space, as words.
-pub(super) fn inverse_rows(t: &Transform) -> Vec<u32> {
-    let (m, o) = (t.inverse.matrix3, t.inverse.translation);
-    (0..3).flat_map(|k| [m.x_axis[k], m.y_axis[k], m.z_axis[k], o[k]]).map(|v| (v as f32).to_bits()).collect()
 }
 
 /// The world's volume and the bodies around the camera: their number, then words of the object and of the volume of each.

@@ -5,7 +5,7 @@ use super::{LightSample, triangle};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{PrimKind, prim_flags};
 use crate::compile::texture::TextureNode;
-use crate::integrate::path::closure::emission;
+use crate::integrate::path::closure::{emission, plain_emission};
 use crate::integrate::path::surface::Surface;
 use crate::kernel::SurfaceHit;
 use crate::kernel::traverse::motion_at;
@@ -62,14 +62,6 @@ fn mean_emission(c: &Closure) -> Rgb {
         Closure::Mix { a, b, .. } => 0.5 * (mean_emission(a) + mean_emission(b)),
         Closure::Add(a, b) => mean_emission(a) + mean_emission(b),
         _ => Vec3::ZERO,
-    }
-}
-
-/// The radiance of a closure, where it is the same everywhere and in all directions.
-fn even_emission(c: &Closure) -> Option<Rgb> {
-    match c {
-        Closure::Emission { color, strength } => Some(color.as_constant()? * strength.as_constant()?),
-        _ => None,
     }
 }
 
@@ -167,7 +159,7 @@ impl Emitters {
                     reach_rad: 0.5 * PI,
                     energy: radiances[shader as usize] * area,
                 });
-                let even = shaders[shader as usize].surface.as_ref().and_then(even_emission);
+                let even = shaders[shader as usize].surface.as_ref().and_then(plain_emission).filter(|e| e[0] == e[1]).map(|e| e[0]);
                 let (prim_ix, face_ix) = (prim_ix as u32, face as u32);
                 all.list.push(Emitter { prim_ix, face_ix, shader, corners, normal, area, front_only, moves, even });
             }
