@@ -109,10 +109,9 @@ impl Bvh8Ray {
     /// A bit for each child whose box is met in `t_min..=t_max`, and where each is entered. 0 times infinity counts as met.
     #[inline(always)]
     pub fn meet<S: Simd>(&self, s: S, node: &Bvh8Node, t_min: f32, t_max: f32) -> (u32, [f32; WIDTH]) {
-        let ((ax, bx), (ay, by), (az, bz)) = (self.slab(s, node, 0), self.slab(s, node, 1), self.slab(s, node, 2));
-        let near = s.max_f32(ax, s.max_f32(ay, s.max_f32(az, s.splat_f32(t_min))));
-        let far = s.min_f32(bx, s.min_f32(by, s.min_f32(bz, s.splat_f32(t_max))));
-        (s.le_f32(near, far), s.array_f32(near))
+        let slabs = [self.slab(s, node, 0), self.slab(s, node, 1), self.slab(s, node, 2)];
+        let (met, near) = overlap(s, slabs, s.splat_f32(t_min), s.splat_f32(t_max));
+        (met, s.array_f32(near))
     }
 
     /// Where the eight slabs across an axis are entered and left.
@@ -125,6 +124,15 @@ impl Bvh8Ray {
             s.mul_f32(s.sub_f32(last, s.splat_f32(self.exit[k])), s.splat_f32(self.inv_exit[k])),
         )
     }
+}
+
+/// A bit for each lane whose three slabs, entered and left at these depths, overlap between `t_min` and `t_max`; where they do so first.
+#[inline(always)]
+pub(super) fn overlap<S: Simd>(s: S, slabs: [(S::F32x8, S::F32x8); 3], t_min: S::F32x8, t_max: S::F32x8) -> (u32, S::F32x8) {
+    let [(ax, bx), (ay, by), (az, bz)] = slabs;
+    let near = s.max_f32(ax, s.max_f32(ay, s.max_f32(az, t_min)));
+    let far = s.min_f32(bx, s.min_f32(by, s.min_f32(bz, t_max)));
+    (s.le_f32(near, far), near)
 }
 
 /// One axis of a [`Bvh8Ray`].

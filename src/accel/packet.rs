@@ -6,7 +6,7 @@
 //! in packets); Wald, Woop, Benthin, Johnson, Ernst 2014 (Embree's coherent packets).
 
 use super::boxf::round_down;
-use super::bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, Bvh8Ray, LeafVisitor, MAX_STACK, SCALE_SLACK, STEEPEST, WIDTH, Walk, leaf_slots};
+use super::bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, Bvh8Ray, LeafVisitor, MAX_STACK, SCALE_SLACK, STEEPEST, WIDTH, Walk, leaf_slots, overlap};
 use super::stack::Stack;
 use crate::math::Ray;
 use crate::math::simd::{Kernel, Simd};
@@ -167,11 +167,8 @@ impl Slabs8 {
     /// The rays that meet a child's box up to their `far`.
     #[inline(always)]
     fn meet<S: Simd>(&self, s: S, node: &Bvh8Node, child: usize, near: [usize; 3], t_min: f32, far: &[f32; LANES]) -> u32 {
-        let ((ax, bx), (ay, by), (az, bz)) =
-            (self.slab(s, node, child, near, 0), self.slab(s, node, child, near, 1), self.slab(s, node, child, near, 2));
-        let enter = s.max_f32(ax, s.max_f32(ay, s.max_f32(az, s.splat_f32(t_min))));
-        let leave = s.min_f32(bx, s.min_f32(by, s.min_f32(bz, s.load_f32(far))));
-        s.le_f32(enter, leave)
+        let slabs = [self.slab(s, node, child, near, 0), self.slab(s, node, child, near, 1), self.slab(s, node, child, near, 2)];
+        overlap(s, slabs, s.splat_f32(t_min), s.load_f32(far)).0
     }
 
     #[inline(always)]
@@ -223,10 +220,9 @@ impl Beam {
     /// A bit for each child whose box any ray may meet in `t_min..=t_max`, and where the first may enter.
     #[inline(always)]
     fn meet<S: Simd>(&self, s: S, node: &Bvh8Node, t_min: f32, t_max: f32) -> (u32, [f32; WIDTH]) {
-        let ((ax, bx), (ay, by), (az, bz)) = (self.slab(s, node, 0), self.slab(s, node, 1), self.slab(s, node, 2));
-        let near = s.max_f32(ax, s.max_f32(ay, s.max_f32(az, s.splat_f32(t_min))));
-        let far = s.min_f32(bx, s.min_f32(by, s.min_f32(bz, s.splat_f32(t_max))));
-        (s.le_f32(near, far), s.array_f32(near))
+        let slabs = [self.slab(s, node, 0), self.slab(s, node, 1), self.slab(s, node, 2)];
+        let (met, near) = overlap(s, slabs, s.splat_f32(t_min), s.splat_f32(t_max));
+        (met, s.array_f32(near))
     }
 
     #[inline(always)]

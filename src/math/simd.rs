@@ -108,10 +108,43 @@ fn bits<T: Copy, const N: usize>(a: [T; N], b: [T; N], f: impl Fn(T, T) -> bool)
     (0..N).fold(0, |m, l| m | u32::from(f(a[l], b[l])) << l)
 }
 
+// Operations of two arrays, lane by lane.
+macro_rules! lane_by_lane {
+    ($($name:ident: $lanes:ty = $f:expr;)*) => {
+        $(
+            #[inline(always)]
+            fn $name(self, a: $lanes, b: $lanes) -> $lanes {
+                zip(a, b, $f)
+            }
+        )*
+    };
+}
+
 impl Simd for Portable {
     type F32x8 = [f32; 8];
     type F64x4 = [f64; 4];
     type F64x8 = [f64; 8];
+
+    lane_by_lane! {
+        add_f32: [f32; 8] = |a, b| a + b;
+        sub_f32: [f32; 8] = |a, b| a - b;
+        mul_f32: [f32; 8] = |a, b| a * b;
+        min_f32: [f32; 8] = |a, b| if a < b { a } else { b };
+        max_f32: [f32; 8] = |a, b| if a > b { a } else { b };
+        div_f32: [f32; 8] = |a, b| a / b;
+        add: [f64; 4] = |a, b| a + b;
+        sub: [f64; 4] = |a, b| a - b;
+        mul: [f64; 4] = |a, b| a * b;
+        min: [f64; 4] = |a, b| if a < b { a } else { b };
+        max: [f64; 4] = |a, b| if a > b { a } else { b };
+        div: [f64; 4] = |a, b| a / b;
+        add_x8: [f64; 8] = |a, b| a + b;
+        sub_x8: [f64; 8] = |a, b| a - b;
+        mul_x8: [f64; 8] = |a, b| a * b;
+        min_x8: [f64; 8] = |a, b| if a < b { a } else { b };
+        max_x8: [f64; 8] = |a, b| if a > b { a } else { b };
+        div_x8: [f64; 8] = |a, b| a / b;
+    }
 
     #[inline(always)]
     fn splat_f32(self, v: f32) -> [f32; 8] {
@@ -124,30 +157,6 @@ impl Simd for Portable {
     #[inline(always)]
     fn array_f32(self, v: [f32; 8]) -> [f32; 8] {
         v
-    }
-    #[inline(always)]
-    fn add_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        zip(a, b, |a, b| a + b)
-    }
-    #[inline(always)]
-    fn sub_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        zip(a, b, |a, b| a - b)
-    }
-    #[inline(always)]
-    fn mul_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        zip(a, b, |a, b| a * b)
-    }
-    #[inline(always)]
-    fn min_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        zip(a, b, |a, b| if a < b { a } else { b })
-    }
-    #[inline(always)]
-    fn max_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        zip(a, b, |a, b| if a > b { a } else { b })
-    }
-    #[inline(always)]
-    fn div_f32(self, a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        zip(a, b, |a, b| a / b)
     }
     #[inline(always)]
     fn copysign_f32(self, a: [f32; 8], sign: [f32; 8]) -> [f32; 8] {
@@ -174,30 +183,6 @@ impl Simd for Portable {
         v
     }
     #[inline(always)]
-    fn add(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-        zip(a, b, |a, b| a + b)
-    }
-    #[inline(always)]
-    fn sub(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-        zip(a, b, |a, b| a - b)
-    }
-    #[inline(always)]
-    fn mul(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-        zip(a, b, |a, b| a * b)
-    }
-    #[inline(always)]
-    fn min(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-        zip(a, b, |a, b| if a < b { a } else { b })
-    }
-    #[inline(always)]
-    fn max(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-        zip(a, b, |a, b| if a > b { a } else { b })
-    }
-    #[inline(always)]
-    fn div(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-        zip(a, b, |a, b| a / b)
-    }
-    #[inline(always)]
     fn lt(self, a: [f64; 4], b: [f64; 4]) -> u32 {
         bits(a, b, |a, b| a < b)
     }
@@ -212,30 +197,6 @@ impl Simd for Portable {
     #[inline(always)]
     fn array_x8(self, v: [f64; 8]) -> [f64; 8] {
         v
-    }
-    #[inline(always)]
-    fn add_x8(self, a: [f64; 8], b: [f64; 8]) -> [f64; 8] {
-        zip(a, b, |a, b| a + b)
-    }
-    #[inline(always)]
-    fn sub_x8(self, a: [f64; 8], b: [f64; 8]) -> [f64; 8] {
-        zip(a, b, |a, b| a - b)
-    }
-    #[inline(always)]
-    fn mul_x8(self, a: [f64; 8], b: [f64; 8]) -> [f64; 8] {
-        zip(a, b, |a, b| a * b)
-    }
-    #[inline(always)]
-    fn min_x8(self, a: [f64; 8], b: [f64; 8]) -> [f64; 8] {
-        zip(a, b, |a, b| if a < b { a } else { b })
-    }
-    #[inline(always)]
-    fn max_x8(self, a: [f64; 8], b: [f64; 8]) -> [f64; 8] {
-        zip(a, b, |a, b| if a > b { a } else { b })
-    }
-    #[inline(always)]
-    fn div_x8(self, a: [f64; 8], b: [f64; 8]) -> [f64; 8] {
-        zip(a, b, |a, b| a / b)
     }
     #[inline(always)]
     fn lt_x8(self, a: [f64; 8], b: [f64; 8]) -> u32 {

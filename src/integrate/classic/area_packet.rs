@@ -1,7 +1,7 @@
 //! The shadow rays to all points of an area light's grid, traced together where every point is wanted whatever the others show: small grids,
 //! or larger ones whose `adaptive` level covers them. Random numbers are drawn in the order of the points asked one by one.
 
-use super::shadow::AreaGrid;
+use super::shadow::{AreaGrid, corners, quarters};
 use super::shafts::Known;
 use super::trace::Tracer;
 use crate::accel::PACKET;
@@ -27,18 +27,14 @@ fn order_of_all(area: &AreaLight) -> Option<Vec<[u32; 2]>> {
 }
 
 /// As `Tracer::area_part`; false where it depends on the colours.
-fn visit(adaptive: u32, [u1, v1, u2, v2]: [u32; 4], level: u32, order: &mut Vec<[u32; 2]>) -> bool {
-    for place in [[u1, v1], [u2, v1], [u1, v2], [u2, v2]] {
+fn visit(adaptive: u32, part: [u32; 4], level: u32, order: &mut Vec<[u32; 2]>) -> bool {
+    for place in corners(part) {
         if !order.contains(&place) {
             order.push(place);
         }
     }
-    if u2 - u1 <= 1 && v2 - v1 <= 1 {
-        return true;
-    }
-    let (ul, uh, vl, vh) = ((u1 + u2) / 2, (u1 + u2).div_ceil(2), (v1 + v2) / 2, (v1 + v2).div_ceil(2));
-    level < adaptive
-        && [[u1, v1, ul, vl], [uh, v1, u2, vl], [u1, vh, ul, v2], [uh, vh, u2, v2]].iter().all(|p| visit(adaptive, *p, level + 1, order))
+    let [u1, v1, u2, v2] = part;
+    u2 - u1 <= 1 && v2 - v1 <= 1 || level < adaptive && quarters(part).iter().all(|p| visit(adaptive, *p, level + 1, order))
 }
 
 /// By light: the order of its grid's points, where they are traced together.

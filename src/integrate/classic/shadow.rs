@@ -205,12 +205,11 @@ impl Tracer<'_> {
     }
 
     fn area_part(&mut self, grid: &mut AreaGrid, [u1, v1, u2, v2]: [u32; 4], level: u32) -> Rgb {
-        let c = [(u1, v1), (u2, v1), (u1, v2), (u2, v2)].map(|(u, v)| self.area_point(grid, u, v));
+        let c = corners([u1, v1, u2, v2]).map(|[u, v]| self.area_point(grid, u, v));
         if u2 - u1 > 1 || v2 - v1 > 1 {
             let differ = |a: usize, b: usize| (c[a] - c[b]).abs().element_sum() > 0.1;
             if level < grid.area.adaptive || differ(0, 1) || differ(1, 3) || differ(3, 2) || differ(2, 0) {
-                let (ul, uh, vl, vh) = ((u1 + u2) / 2, (u1 + u2).div_ceil(2), (v1 + v2) / 2, (v1 + v2).div_ceil(2));
-                let parts = [[u1, v1, ul, vl], [uh, v1, u2, vl], [u1, vh, ul, v2], [uh, vh, u2, v2]];
+                let parts = quarters([u1, v1, u2, v2]);
                 let (mut sum, mut means) = (Vec3::ZERO, [Vec3::ZERO; 4]);
                 for k in 0..4 {
                     // A single row or column has each half twice: asked twice each, long ones would take 4^n steps instead of 2^n.
@@ -249,6 +248,17 @@ impl Tracer<'_> {
         grid.points[place] = Some(c);
         c
     }
+}
+
+/// Corners of a part of a grid, in the order in which they are asked.
+pub(super) fn corners([u1, v1, u2, v2]: [u32; 4]) -> [[u32; 2]; 4] {
+    [[u1, v1], [u2, v1], [u1, v2], [u2, v2]]
+}
+
+/// The quarters that a part of a grid is cut into; they share its middle lines where those lie on points.
+pub(super) fn quarters([u1, v1, u2, v2]: [u32; 4]) -> [[u32; 4]; 4] {
+    let (ul, uh, vl, vh) = ((u1 + u2) / 2, (u1 + u2).div_ceil(2), (v1 + v2) / 2, (v1 + v2).div_ceil(2));
+    [[u1, v1, ul, vl], [uh, v1, u2, vl], [u1, vh, ul, v2], [uh, vh, u2, v2]]
 }
 
 /// One shadow test of an area light.
