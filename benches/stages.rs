@@ -9,6 +9,7 @@ use rayloom::backend::Backend;
 use rayloom::backend::cpu::CpuBackend;
 use rayloom::bench::RaySets;
 use rayloom::bench::embree::depth;
+use rayloom::bench::stability::meshes::{Triangles, terrain};
 use rayloom::compile::shape::MeshShape;
 use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
 use rayloom::diag::{Sink, SourceMap};
@@ -16,17 +17,14 @@ use rayloom::film::{Encoding, FileFormat, Film, Metadata, encode_picture};
 use rayloom::integrate::{IntegratorKind, RenderSettings};
 use rayloom::kernel::query::KernelQuery;
 use rayloom::lang::{LangOptions, parse_scene};
+use rayloom::math::DVec3;
 use rayloom::math::noise::{noise, turbulence};
 use rayloom::math::random::SplitMix64;
-use rayloom::math::{DVec3, Vec3};
 use rayloom::scene::{Mesh, Object, Scene, Shape};
 use rayloom::world::DiskWorld;
 use std::fmt::Write;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-
-/// Squares of the terrain's side.
-const SIDE: u32 = 120;
 
 fn read(text: &str) -> Scene {
     let (mut map, mut sink) = (SourceMap::default(), Sink::default());
@@ -40,18 +38,9 @@ fn compiled(scene: &Scene) -> CompiledScene {
 }
 
 /// Hills of 28,800 triangles.
-fn terrain() -> Arc<Mesh> {
-    let mut mesh = Mesh::default();
-    let n = SIDE;
-    for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
-        let (a, b) = (i as f32 / n as f32, j as f32 / n as f32);
-        mesh.vertices.push(Vec3::new(10.0 * a, (7.0 * a).sin() * (9.0 * b).cos() + 0.1 * (90.0 * a * b).sin(), 10.0 * b));
-    }
-    for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
-        let [a, b, c, d] = [j * (n + 1) + i, j * (n + 1) + i + 1, (j + 1) * (n + 1) + i, (j + 1) * (n + 1) + i + 1];
-        mesh.faces.extend([[a, b, c], [b, d, c]]);
-    }
-    Arc::new(mesh)
+fn hills() -> Arc<Mesh> {
+    let Triangles { vertices, faces } = terrain(120);
+    Arc::new(Mesh { vertices, faces, ..Mesh::default() })
 }
 
 fn main() {
@@ -84,16 +73,16 @@ const KINDS: [AccelKind; 3] = [AccelKind::Bvh8, AccelKind::Bvh, AccelKind::Kd];
 
 #[divan::bench(name = "2 trees", args = KINDS.map(AccelKind::name), sample_count = 20)]
 fn trees(b: Bencher, name: &str) {
-    let (mesh, kind) = (terrain(), AccelKind::named(name).expect("one of KINDS"));
+    let (mesh, kind) = (hills(), AccelKind::named(name).expect("one of KINDS"));
     let build = || MeshShape::new(mesh.clone(), Vec::new(), kind).map(|s| s.index().n_bytes());
     b.counter(ItemsCount::new(mesh.faces.len())).bench(build);
 }
 
 #[divan::bench(name = "3 traversal", args = KINDS.map(AccelKind::name), consts = [0, 1, 2, 3], sample_count = 20)]
 fn traversal<const WHICH: usize>(b: Bencher, name: &str) {
-    let mesh = terrain();
+    let mesh = hills();
     let mut scene = Scene { objects: vec![Object::new(Shape::Mesh(mesh.clone()))], ..Scene::default() };
-    scene.camera.location = DVec3::new(-1.0, 2.2, -1.5);
+    scene.camera.location = DVec3::new(-2.4, 0.9, -2.6);
     scene.camera.direction = DVec3::new(0.65, -0.3, 0.7);
     // As `rayloom::bench::RAY_KINDS`: primary, shadow, reflected, diffuse.
     let set = &RaySets::new(&compiled(&scene), 96, 96, false).sets[WHICH];

@@ -126,6 +126,11 @@ impl Ours {
             (width, false) => packet_depths::<false>(&self.shape, packed, width, told),
         }
     }
+
+    /// Millions of rays a second of this thread.
+    fn speed(&self, rays: &[TestRay], packed: &[FileRay], any: bool, least_seconds: f64) -> f64 {
+        speed_of(rays.len(), least_seconds, || self.tell(rays, packed, any, |t| _ = std::hint::black_box(t)))
+    }
 }
 
 /// Millions of rays a second of this thread; `trace` traces `n`.
@@ -146,8 +151,7 @@ pub fn trace_speed(mesh: &MeshShape, rays: &[TestRay], any: bool, least_seconds:
 
 /// Millions of rays a second of this thread, `width` traced together; the same rays as for [`trace_speed`].
 pub fn packet_speed(mesh: &Arc<MeshShape>, rays: &[TestRay], any: bool, width: usize, least_seconds: f64) -> f64 {
-    let (ours, packed) = (Ours { shape: mesh.clone(), width }, rays.iter().map(file_ray).collect::<Vec<_>>());
-    speed_of(rays.len(), least_seconds, || ours.tell(rays, &packed, any, |t| _ = std::hint::black_box(t)))
+    Ours { shape: mesh.clone(), width }.speed(rays, &rays.iter().map(file_ray).collect::<Vec<_>>(), any, least_seconds)
 }
 
 /// Embree in a process of its own.
@@ -255,13 +259,13 @@ pub fn run(
         let [seconds, bytes] = built[usize::from(*robust)];
         row((*name).into(), false, seconds, bytes)
     }));
+    let packed = rays.sets.each_ref().map(|set| set.iter().map(file_ray).collect::<Vec<FileRay>>());
     // What is met, before any speed.
     for (which, set) in rays.sets.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
         let any = which == 1;
-        let packed: Vec<FileRay> = set.iter().map(file_ray).collect();
         let depths = |ours: &Ours| {
             let mut depths = Vec::with_capacity(set.len());
-            ours.tell(set, &packed, any, |t| depths.push(t));
+            ours.tell(set, &packed[which], any, |t| depths.push(t));
             depths
         };
         let truth = depths(&ours[0]);
@@ -278,7 +282,7 @@ pub fn run(
     for round in 0..rounds {
         for (which, set) in rays.sets.iter().enumerate().filter(|(_, s)| !s.is_empty()) {
             for (row, ours) in rows.iter_mut().zip(&ours) {
-                row.mrays[which].push(packet_speed(&ours.shape, set, which == 1, ours.width, LEAST_SECONDS));
+                row.mrays[which].push(ours.speed(set, &packed[which], which == 1, LEAST_SECONDS));
             }
             for (row, (_, width, robust)) in rows[ours.len()..].iter_mut().zip(PEERS) {
                 let [n, seconds] = peers[usize::from(robust)].ask(&format!("trace {} {width}", RAY_KINDS[which]))?;

@@ -120,8 +120,7 @@ fn write_mesh(mesh: &Mesh, t: &Transform, side: Side, path: &Path) -> Result<boo
     }
     let smooth = side == Side::Both && !mesh.normal_indices.is_empty() && mesh.normal_indices.iter().all(|n| n[0] != u32::MAX);
     let place = |v: u32| t.point(mesh.vertices[v as usize].as_dvec3());
-    let bounds = Bounds::from_points(mesh.faces.iter().flatten().map(|v| place(*v)));
-    let apart = APART * (bounds.max - bounds.min).length();
+    let apart = APART * Bounds::from_points(mesh.faces.iter().flatten().map(|v| place(*v))).size().length();
     let mut bytes = Vec::with_capacity(mesh.faces.len() * if smooth { 72 } else { 36 });
     for face in &mesh.faces {
         let mut corners = face.map(place);

@@ -2,7 +2,6 @@
 
 use super::median;
 use crate::backend::device_names;
-use crate::compile::geometry::PrimKind;
 use crate::compile::shape::TreeStore;
 use crate::compile::{CompiledScene, compile_scene};
 use crate::diag::{Diagnostic, Sink, SourceMap};
@@ -88,18 +87,6 @@ pub fn why_not(saving: Saving, scene: &CompiledScene, unread: &Unread, format: S
         _ => None,
     };
     reason.map(str::to_owned)
-}
-
-/// Kinds of primitives with their numbers, in the order of their first.
-pub fn kinds(c: &CompiledScene) -> Vec<(PrimKind, usize)> {
-    let mut counts: Vec<(PrimKind, usize)> = Vec::new();
-    for p in &c.geometry.prims {
-        match counts.iter_mut().find(|(k, _)| *k == p.kind) {
-            Some((_, n)) => *n += 1,
-            None => counts.push((p.kind, 1)),
-        }
-    }
-    counts
 }
 
 /// Measures `only` (or all) over so many rounds; `told` hears of each row as soon as it is there.

@@ -2,8 +2,9 @@
 
 use super::console::{print_error, style};
 use clap::Args;
-use rayloom::bench::skip::{kinds, why_not};
-use rayloom::compile::{CompileOptions, FeatureSet};
+use rayloom::bench::skip::why_not;
+use rayloom::compile::geometry::PrimKind;
+use rayloom::compile::{CompileOptions, CompiledScene, FeatureSet};
 use rayloom::diag::{Severity, Sink, SourceMap, render};
 use rayloom::integrate::{Antialias, RenderSettings};
 use rayloom::job::{JobError, SceneFormat, all_cores, load_scene};
@@ -80,7 +81,7 @@ fn scene(args: &InfoArgs) -> Result<(), JobError> {
     }
     let (c, unread) = compiled?;
     let (used, unused) = features(&c.features);
-    let kinds: Vec<(String, usize)> = kinds(&c).into_iter().map(|(k, n)| (format!("{k:?}"), n)).collect();
+    let kinds = kinds(&c);
     // As `rayloom render` takes it without options.
     let render = RenderSettings { antialias: Some(ANTIALIAS), ..RenderSettings::plain(800, 600) };
     let savings = SAVINGS.map(|s| (s, why_not(s.saving, &c, &unread, SceneFormat::of(&path), &render)));
@@ -114,6 +115,18 @@ fn scene(args: &InfoArgs) -> Result<(), JobError> {
         println!("    {:<10}  {}{}", s.name, s.what, why.as_ref().map_or(String::new(), |why| format!(" (not here: {why})")));
     }
     Ok(())
+}
+
+/// Kinds of primitives with their numbers.
+fn kinds(c: &CompiledScene) -> Vec<(String, usize)> {
+    let mut counts: Vec<(PrimKind, usize)> = Vec::new();
+    for p in &c.geometry.prims {
+        match counts.iter_mut().find(|(k, _)| *k == p.kind) {
+            Some((_, n)) => *n += 1,
+            None => counts.push((p.kind, 1)),
+        }
+    }
+    counts.into_iter().map(|(k, n)| (format!("{k:?}"), n)).collect()
 }
 
 /// Names of what a scene uses and of what was left out.

@@ -28,8 +28,11 @@ fn gpu() -> Option<GpuBackend> {
 }
 
 pub(crate) fn covered(mesh: Mesh, surface: Closure) -> Object {
-    let shader = Shader { surface: Some(surface), transparent_shadow: true, ..Shader::default() };
-    let mut o = Object::new(Shape::Mesh(Arc::new(mesh)));
+    wearing(Shape::Mesh(Arc::new(mesh)), Shader { surface: Some(surface), transparent_shadow: true, ..Shader::default() })
+}
+
+pub(crate) fn wearing(shape: Shape, shader: Shader) -> Object {
+    let mut o = Object::new(shape);
     o.texture = Some(Arc::new(Texture::Principled(Box::new(Principled { shader: Some(Arc::new(shader)), ..Principled::default() }))));
     o
 }

@@ -1,22 +1,16 @@
 //! Hair, volumes and walks below surfaces on the GPU against the CPU's.
 
-use super::paths::{agrees, covered, diffuse, lamp, scene_of, square};
+use super::paths::{agrees, covered, diffuse, lamp, scene_of, square, wearing};
 use rayloom::math::{DVec3, Transform, Vec3};
 use rayloom::scene::input::{Color, Scalar};
 use rayloom::scene::lamp::LampShape;
 use rayloom::scene::shader::{Closure, HairClosure, HairColor, PrincipledClosure, Shader};
 use rayloom::scene::volume::{Density, Grid};
-use rayloom::scene::{Curves, Light, Object, Principled, Scene, Shape, Texture, Volume};
+use rayloom::scene::{Curves, Light, Object, Scene, Shape, Volume};
 use std::sync::Arc;
 
 fn light() -> Light {
     lamp(LampShape::Point { radius: 0.2, soft_falloff: false }, 150.0, DVec3::new(-1.0, -2.0, 4.0))
-}
-
-fn wearing(shape: Shape, shader: Shader) -> Object {
-    let mut o = Object::new(shape);
-    o.texture = Some(Arc::new(Texture::Principled(Box::new(Principled { shader: Some(Arc::new(shader)), ..Principled::default() }))));
-    o
 }
 
 #[test]
@@ -48,7 +42,6 @@ fn hair_of_both_kinds_answers_the_same() {
 
 /// A box from -1 to 1, its corners counterclockwise from outside.
 fn cube() -> rayloom::scene::Mesh {
-    let side = |c: [[f32; 3]; 4]| square(c);
     let quads = [
         [[-1., -1., -1.], [-1., 1., -1.], [1., 1., -1.], [1., -1., -1.]],
         [[-1., -1., 1.], [1., -1., 1.], [1., 1., 1.], [-1., 1., 1.]],
@@ -59,7 +52,7 @@ fn cube() -> rayloom::scene::Mesh {
     ];
     let mut all = rayloom::scene::Mesh::default();
     for q in quads {
-        let m = side(q);
+        let m = square(q);
         let n = all.vertices.len() as u32;
         all.vertices.extend(m.vertices);
         all.faces.extend(m.faces.iter().map(|f| f.map(|v| v + n)));

@@ -85,7 +85,9 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
         Some(Err(e)) => return failed(e.to_string(), 4),
         None => None,
     };
-    let boxed = args.box_filter || args.against.iter().any(|a| a == "mitsuba" || a == "luxcore");
+    // These get the scene that we loaded, and filter with the pixel itself.
+    let exports = args.against.iter().any(|a| a == "mitsuba" || a == "luxcore");
+    let boxed = args.box_filter || exports;
     if boxed {
         scene.settings.path.filter = PixelFilter::Box;
     }
@@ -96,22 +98,16 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
         Ok(f) => f,
         Err(e) => return failed(format!("cannot make a temporary folder: {e}"), 4),
     };
+    if exports && let Err(what) = export(&scene, folder.path()) {
+        return failed(format!("Mitsuba and LuxCore cannot be asked for this scene: {what}"), 2);
+    }
     let mut peers = Vec::new();
     for against in &args.against {
         let (program, file) = against.split_once('=').map_or((&against[..], args.scene.clone()), |(p, s)| (p, s.into()));
         let (name, text, python, file) = match program {
             "cycles" => ("Cycles", CYCLES, &args.python, file),
-            "mitsuba" | "luxcore" => {
-                if let Err(what) = export(&scene, folder.path()) {
-                    return failed(format!("{program} cannot be asked for this scene: {what}"), 2);
-                }
-                let (name, text, python) = if program == "mitsuba" {
-                    ("Mitsuba", MITSUBA, &args.mitsuba_python)
-                } else {
-                    ("LuxCore", LUXCORE, &args.luxcore_python)
-                };
-                (name, text, python, folder.path().to_owned())
-            }
+            "mitsuba" => ("Mitsuba", MITSUBA, &args.mitsuba_python, folder.path().to_owned()),
+            "luxcore" => ("LuxCore", LUXCORE, &args.luxcore_python, folder.path().to_owned()),
             _ => return failed(format!("--against knows 'cycles', 'mitsuba' and 'luxcore', not '{program}'"), 2),
         };
         let script = folder.path().join(format!("{program}_timed.py"));
