@@ -67,6 +67,10 @@ pub fn why_no_device() -> &'static str {
 pub trait Backend {
     /// "CPU, 2 threads", "NVIDIA H100 (Vulkan)".
     fn name(&self) -> String;
+    /// What it draws otherwise than the CPU would, though the scene is whole: told once.
+    fn differs(&self, _scene: &CompiledScene, _settings: &RenderSettings) -> Option<&'static str> {
+        None
+    }
     /// Renders into `film` until finished or `cancel` is set; pixels outside the crop are left alone, and so are whole blocks that
     /// hold all their samples already. What cannot be continued is rendered anew.
     /// After an error or a cancel the film holds what was rendered, and `film.samples` says where.

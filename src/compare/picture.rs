@@ -145,6 +145,28 @@ impl Picture {
         });
         self
     }
+
+    /// The picture's means, in light, over squares of `side` pixels; those at the right and lower rim may be smaller.
+    #[must_use]
+    pub fn into_means(self, side: u32) -> Self {
+        let was_linear = self.linear;
+        let p = self.into_linear();
+        let side = side.max(1);
+        let (width, height) = (p.width.div_ceil(side), p.height.div_ceil(side));
+        let mean = |k: u32| {
+            let (x0, y0) = (k % width * side, k / width * side);
+            let (x1, y1) = ((x0 + side).min(p.width), (y0 + side).min(p.height));
+            let mut sum = [0.0f64; 4];
+            for y in y0..y1 {
+                for v in &p.pixels[(y * p.width + x0) as usize..(y * p.width + x1) as usize] {
+                    (0..4).for_each(|c| sum[c] += f64::from(v[c]));
+                }
+            }
+            sum.map(|s| (s / f64::from((x1 - x0) * (y1 - y0))) as f32)
+        };
+        let pixels = (0..width * height).map(mean).collect();
+        Self { width, height, pixels, ..p }.into_space(was_linear, 0.0)
+    }
 }
 
 /// A pixel of straight alpha with its colour multiplied by alpha, in light.
@@ -165,4 +187,26 @@ fn png_gamma(path: &Path) -> Option<f32> {
     }
     let gamma = info.gama_chunk?.into_value();
     (gamma > 0.0 && (gamma - 1.0 / 2.2).abs() > 1e-3).then_some(gamma)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_taken_in_light_and_of_the_pixels_that_are_there() {
+        let of = |width: u32, height: u32, values: &[f32]| Picture {
+            width,
+            height,
+            pixels: values.iter().map(|v| [*v, 0.5, 0.0, 1.0]).collect(),
+            has_alpha: false,
+            linear: true,
+            depth: String::new(),
+        };
+        let m = of(3, 2, &[0.0, 1.0, 0.25, 0.5, 0.5, 0.75]).into_means(2);
+        assert_eq!((m.width, m.height, m.pixels[0], m.pixels[1]), (2, 1, [0.5, 0.5, 0.0, 1.0], [0.5, 0.5, 0.0, 1.0]));
+        // Black and white in equal parts are half of the light, which shows as 0.735.
+        let m = Picture { linear: false, ..of(2, 1, &[0.0, 1.0]) }.into_means(2);
+        assert!((m.pixels[0][0] - 0.7354).abs() < 1e-3, "{}", m.pixels[0][0]);
+    }
 }

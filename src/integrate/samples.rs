@@ -13,7 +13,7 @@ pub fn sample_position(x: u32, y: u32, index: u32, seed: u32) -> (f64, f64) {
 }
 
 /// A 32-bit mix. Source: Wellons 2018, lowbias32.
-fn hash(mut v: u32) -> u32 {
+pub fn hash(mut v: u32) -> u32 {
     v ^= v >> 16;
     v = v.wrapping_mul(0x7feb_352d);
     v ^= v >> 15;

@@ -55,17 +55,26 @@ pub(super) fn render(
     }
     if job.backend != BackendChoice::Cpu && cpu_only.is_none() {
         let layers = std::mem::take(&mut film.layers);
-        let result = gpu(job.backend, &job.gpu).and_then(|machine| on(machine.as_ref(), film, job.render.time_limit)).and_then(|()| {
-            match layers.is_empty() {
-                true => Ok(()),
+        let result = gpu(job.backend, &job.gpu)
+            .and_then(|machine| {
+                on(machine.as_ref(), film, job.render.time_limit)?;
+                Ok(machine.differs(scene, &job.render))
+            })
+            .and_then(|differs| match layers.is_empty() {
+                true => Ok(differs),
                 false => {
                     let cpu = CpuBackend::new(job.render.threads);
-                    super::denoise::render_guides(job, film, |settings, guides| cpu.render(scene, settings, guides, &(), cancel))
+                    super::denoise::render_guides(job, film, |settings, guides| cpu.render(scene, settings, guides, &(), cancel))?;
+                    Ok(differs)
                 }
-            }
-        });
+            });
         match (result, job.backend) {
-            (Ok(()), _) => return Ok(()),
+            (Ok(differs), _) => {
+                if let Some(what) = differs {
+                    sink.note_once("gpu differs", None, what);
+                }
+                return Ok(());
+            }
             (Err(BackendError::Unsupported(what)), _) => {
                 sink.note_once("fallback", None, format!("rendered on the CPU: the GPU back end does not do {what} yet"));
             }

@@ -43,9 +43,14 @@ pub fn judge(pair: &Pair, limits: &Limits) -> PairResult {
             return result;
         }
     };
+    let means = |p: Picture| match limits.means {
+        Some(side) => p.into_means(side),
+        None => p,
+    };
     let sizes = format!("sizes differ: {} x {} and {} x {}", a.width, a.height, b.width, b.height);
     let options = CompareOptions { flip: Flip::Ldr, ..CompareOptions::default() };
-    let Some(m) = compare(a, b, &options) else {
+    let sized = (a.width, a.height) == (b.width, b.height);
+    let Some(m) = sized.then(|| compare(means(a), means(b), &options)).flatten() else {
         (result.state, result.why) = (State::Failed, vec![sizes]);
         return result;
     };
@@ -170,6 +175,7 @@ fn in_words(l: &Limits) -> String {
     parts.extend(l.max_flip.map(|v| format!("FLIP up to {v}")));
     parts.extend(l.min_psnr.map(|v| format!("PSNR from {v} dB")));
     parts.extend(l.mean_ratio.map(|v| format!("means within {} %", 100.0 * v)));
+    parts.extend(l.means.map(|n| format!("over means of {n} by {n} pixels")));
     parts.extend(l.significance.map(|v| format!("z-test at {v}")));
     let reason = l.reason.as_ref().map_or(String::new(), |r| format!(" ({r})"));
     format!("{}{reason}", parts.join(", "))

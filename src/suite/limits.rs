@@ -27,6 +27,8 @@ pub struct Limits {
     pub significance: Option<f64>,
     /// Percentage of pixels that may be beyond the corrected significance all the same. 0 when `None`.
     pub significant_percent: Option<f64>,
+    /// What is compared are means, in light, over squares of so many pixels a side: of pictures drawn with different random numbers.
+    pub means: Option<u32>,
     /// Why these values; a case must say it.
     pub reason: Option<String>,
 }
@@ -63,6 +65,7 @@ impl Limits {
             mean_ratio: self.mean_ratio.or(base.mean_ratio),
             significance: self.significance.or(base.significance),
             significant_percent: self.significant_percent.or(base.significant_percent),
+            means: self.means.or(base.means),
             reason: self.reason.clone().or_else(|| base.reason.clone()),
         }
     }
@@ -75,6 +78,9 @@ impl Limits {
         }
         if self.significance.is_some_and(|s| !(s > 0.0 && s < 1.0)) {
             return Some("a significance is between 0 and 1".into());
+        }
+        if self.means == Some(0) {
+            return Some("means are over squares of at least 1 pixel".into());
         }
         let limits = [self.fail, self.hard_fail, self.max_flip, self.mean_ratio];
         if limits.iter().flatten().any(|v| !(v.is_finite() && *v >= 0.0)) {

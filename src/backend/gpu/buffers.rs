@@ -19,7 +19,7 @@ use crate::kernel::light::SUN_DISTANCE;
 use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE};
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Vec3};
 use crate::savings::Saving;
-use crate::scene::light::{Fade, LightKind};
+use crate::scene::light::{AreaLight, Fade, LightKind};
 use std::collections::BTreeSet;
 
 /// Everything of a scene, encoded.
@@ -38,6 +38,10 @@ pub(super) struct SceneBuffers {
     pub max_children: u32,
     /// Most shadow rays of one hit.
     pub max_shadows: u32,
+    /// Most area lights that one hit asks.
+    pub max_areas: u32,
+    /// Points of them all.
+    pub max_area_points: u32,
     /// Some shadow rays go on behind what they meet.
     pub transparency: bool,
 }
@@ -157,6 +161,7 @@ impl SceneBuffers {
         params.tree_extent = Vec3::from(params.tree_low).abs().max(Vec3::from(params.tree_high).abs()).max_element();
         let meshes = meshes.behind(&mut tree_nodes, &mut tree_refs, &mut words);
         let prims = encode_prims(scene, plan, &textures, &meshes, &mut words);
+        let lights = scene.lights.iter().map(|l| light(&l.light, &l.beam, &mut words)).collect();
         let mut buffers = Self {
             params,
             prims,
@@ -164,12 +169,14 @@ impl SceneBuffers {
             words,
             meshes,
             finishes: scene.textures.finishes.iter().map(finish).collect(),
-            lights: scene.lights.iter().map(|l| light(&l.light, &l.beam)).collect(),
+            lights,
             interiors: scene.interiors.iter().map(interior).collect(),
             textures,
             options: ShaderOptions::default(),
             max_children: 0,
             max_shadows: 0,
+            max_areas: 0,
+            max_area_points: 0,
             transparency,
         };
         buffers.meshes.nodes = tree_nodes;
@@ -200,11 +207,16 @@ impl SceneBuffers {
         let blob_covers = g.shapes.blobs.iter().map(of_blob).max().unwrap_or(0);
         let cutaway = g.objects.iter().map(|o| o.cutaway.len()).max().unwrap_or(0) as u32;
         let solid_mesh = f.prim_kinds & (1 << PrimKind::Mesh as u32) != 0 && g.shapes.meshes.iter().any(|m| m.mesh.inside_vector.is_some());
+        let areas = || scene.lights.iter().filter_map(|l| l.light.area.as_ref());
         let features = [
             ("transparency", self.transparency),
             ("reflection", f.reflection),
             ("highlights", f.highlights),
             ("irid", f.irid),
+            ("area_lights", areas().next().is_some()),
+            ("area_illumination", areas().any(|a| a.area_illumination)),
+            ("crand", f.crand),
+            ("random", needs_random(scene)),
             ("normals", f.normals),
             ("fog", !scene.fogs.is_empty()),
             ("fog_turbulence", scene.fogs.iter().any(|f| f.turbulence.is_some())),
@@ -241,6 +253,12 @@ impl SceneBuffers {
         // Layers share one ray a lamp, materials ask for their own.
         let of_materials = if f.principled { fan.leaves * covers * (scene.lights.len() + plan.emitters.len()) as u32 } else { 0 };
         self.max_shadows = scene.lights.len() as u32 + of_materials;
+        let askers = 1 + if f.principled { fan.leaves * covers } else { 0 };
+        self.max_areas = areas().count() as u32 * askers;
+        let n_points = areas().map(|a| u64::from(a.n1) * u64::from(a.n2)).sum::<u64>() * u64::from(askers);
+        self.max_area_points =
+            u32::try_from(n_points).map_err(|_| BackendError::Unsupported("area lights of billions of points".into()))?;
+        let longest = areas().map(|a| a.n1.max(a.n2)).max().unwrap_or(1);
         let constants = [
             ("WORKGROUP", super::device::WORKGROUP),
             ("MAX_COVERS", covers),
@@ -269,6 +287,13 @@ impl SceneBuffers {
             ("LIGHT_SHADOWLESS", LIGHT_SHADOWLESS),
             ("LIGHT_IN_AIR", LIGHT_IN_AIR),
             ("LIGHT_HAS_RADIUS", LIGHT_HAS_RADIUS),
+            ("LIGHT_SPREAD", LIGHT_SPREAD),
+            ("AREA_JITTER", AREA_JITTER),
+            ("AREA_CIRCULAR", AREA_CIRCULAR),
+            ("AREA_ORIENT", AREA_ORIENT),
+            ("AREA_DONE", u32::MAX),
+            // Each level takes a part away and brings four, and halves their sides.
+            ("AREA_STACK", 3 * (longest.max(1).ilog2() + 1) + 4),
             ("FADE_POV", FADE_POV),
             ("FADE_INVERSE_SQUARE", FADE_INVERSE_SQUARE),
         ];
@@ -315,6 +340,10 @@ const LIGHT_PARALLEL: u32 = 1;
 const LIGHT_SHADOWLESS: u32 = 2;
 const LIGHT_IN_AIR: u32 = 4;
 const LIGHT_HAS_RADIUS: u32 = 8;
+const LIGHT_SPREAD: u32 = 16;
+const AREA_JITTER: u32 = 1;
+const AREA_CIRCULAR: u32 = 2;
+const AREA_ORIENT: u32 = 4;
 const FADE_POV: u32 = 1;
 const FADE_INVERSE_SQUARE: u32 = 2;
 const FOG_LEN: u32 = 20;
@@ -509,10 +538,24 @@ fn finish(f: &crate::scene::Finish) -> Finish {
         irid_amount: f.irid[0],
         irid_thickness: f.irid[1],
         irid_turbulence: f.irid[2],
+        crand: f.crand,
+        ..Finish::default()
     }
 }
 
-fn light(l: &crate::scene::Light, beam: &crate::compile::LightBeam) -> Light {
+/// Whether the shaders draw random numbers, where the CPU draws POV-Ray's own.
+pub(super) fn needs_random(scene: &CompiledScene) -> bool {
+    scene.features.crand || scene.lights.iter().any(|l| l.light.area.as_ref().is_some_and(|a| a.jitter))
+}
+
+/// Words of an area light, as `area.wesl` reads them.
+fn area(a: &AreaLight) -> Vec<u32> {
+    let flag = |holds: bool, bit: u32| if holds { bit } else { 0 };
+    let flags = flag(a.jitter, AREA_JITTER) | flag(a.circular, AREA_CIRCULAR) | flag(a.orient, AREA_ORIENT);
+    [&[a.n1.max(1), a.n2.max(1), a.adaptive, flags][..], &bits3(a.axis1), &bits3(a.axis2)].concat()
+}
+
+fn light(l: &crate::scene::Light, beam: &crate::compile::LightBeam, words: &mut Vec<u32>) -> Light {
     let mut out =
         Light { location: v3(l.location), point_at: v3(l.point_at), color: l.color.to_array(), axis: v3(beam.axis), ..Light::default() };
     let mut flags = 0;
@@ -537,6 +580,10 @@ fn light(l: &crate::scene::Light, beam: &crate::compile::LightBeam) -> Light {
         _ => {}
     }
     flags |= if l.parallel { LIGHT_PARALLEL } else { 0 };
+    if let Some(a) = &l.area {
+        out.area_at = append(words, area(a));
+        flags |= if a.area_illumination { LIGHT_SPREAD } else { 0 };
+    }
     flags |= if l.shadowless { LIGHT_SHADOWLESS } else { 0 };
     flags |= if l.media_attenuation && l.media_interaction { LIGHT_IN_AIR } else { 0 };
     out.flags = flags;

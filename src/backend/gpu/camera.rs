@@ -6,6 +6,7 @@
 use super::layout::Start;
 use crate::compile::CompiledScene;
 use crate::integrate::classic::{ScenePlan, single_ray};
+use crate::integrate::samples::hash;
 use crate::math::{Bounds, Ray};
 use rayon::prelude::*;
 
@@ -29,13 +30,25 @@ impl<'s> CameraRays<'s> {
 
     /// The ray of each picture position; integers are pixel centres.
     pub fn starts(&self, positions: &[(f64, f64)]) -> Vec<Start> {
-        positions.par_iter().map(|(x, y)| single_ray(self.scene, self.plan, *x, *y).map_or(Start::default(), |r| self.start(&r))).collect()
+        let start = |(x, y): &(f64, f64)| {
+            let ray = single_ray(self.scene, self.plan, *x, *y)?;
+            Some(Start { key: position_key(*x, *y), ..self.start(&ray) })
+        };
+        positions.par_iter().map(|p| start(p).unwrap_or_default()).collect()
     }
 
     fn start(&self, ray: &Ray) -> Start {
         let t = self.start_box.map_or(0.0, |b| entry(ray, &b));
-        Start { origin: ray.at(t).as_vec3().to_array(), shown: 1, dir: ray.dir.as_vec3().to_array(), padding: 0 }
+        Start { origin: ray.at(t).as_vec3().to_array(), shown: 1, dir: ray.dir.as_vec3().to_array(), key: 0 }
     }
+}
+
+/// Key of the random numbers of a picture position.
+fn position_key(x: f64, y: f64) -> u32 {
+    [x, y].iter().fold(0, |key, v| {
+        let bits = v.to_bits();
+        hash(hash(key ^ bits as u32) ^ (bits >> 32) as u32)
+    })
 }
 
 /// Depth shortly before the ray enters the box; 0 inside and where it passes by.

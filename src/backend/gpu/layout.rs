@@ -61,14 +61,18 @@ shared! {
         origin: [f32; 3],
         shown: u32,
         dir: [f32; 3],
-        padding: u32,
+        key: u32,
     }
     /// What one step works on.
     struct Batch {
         first: u32,
         n: u32,
         n_shadows: u32,
-        padding: u32,
+        n_areas: u32,
+        round: u32,
+        padding0: u32,
+        padding1: u32,
+        padding2: u32,
     }
     /// A leaf of the scene.
     struct Prim {
@@ -129,6 +133,10 @@ shared! {
         irid_amount: f32,
         irid_thickness: f32,
         irid_turbulence: f32,
+        crand: f32,
+        padding0: u32,
+        padding1: u32,
+        padding2: u32,
     }
     /// A light source.
     struct Light {
@@ -144,6 +152,10 @@ shared! {
         fade_distance: f32,
         fade_power: f32,
         flags: u32,
+        area_at: u32,
+        padding0: u32,
+        padding1: u32,
+        padding2: u32,
     }
     /// A ray on its way.
     struct Ray {
@@ -160,8 +172,8 @@ shared! {
         from_prim: u32,
         from_face: u32,
         max_depth: f32,
-        padding0: u32,
-        padding1: u32,
+        key: u32,
+        padding: u32,
     }
     /// What a ray met.
     struct Hit {
@@ -256,12 +268,28 @@ shared! {
         first_sample: u32,
         end_sample: u32,
     }
+    /// An area light at a hit, until it is known what arrives from it.
+    struct AreaTask {
+        point: [f32; 3],
+        slot: u32,
+        response: [f32; 3],
+        light_ix: u32,
+        arriving: [f32; 3],
+        points_at: u32,
+        interiors: [u32; MAX_INTERIORS],
+        n_interiors: u32,
+        from_prim: u32,
+        from_face: u32,
+        key: u32,
+    }
     /// Lengths of the queues, and what went wrong.
     struct Counters {
         n_children: u32,
         n_shadows: u32,
         n_shadows_out: u32,
         fault: u32,
+        n_areas: u32,
+        n_area_points: u32,
     }
 }
 

@@ -91,6 +91,13 @@ impl Backend for GpuBackend {
         self.gpu.name()
     }
 
+    fn differs(&self, scene: &CompiledScene, settings: &RenderSettings) -> Option<&'static str> {
+        let is_random = settings.integrator == IntegratorKind::Classic && buffers::needs_random(scene);
+        is_random.then_some(
+            "the GPU draws other random numbers than POV-Ray for crand and the jitter of area lights: the same grain, not dot for dot",
+        )
+    }
+
     fn render(
         &self,
         scene: &CompiledScene,

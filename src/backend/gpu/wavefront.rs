@@ -2,11 +2,11 @@
 //! hits sent on in its place. Last in, first out: the queue grows by a few rays a level, not by the whole picture.
 //!
 //! Stages: `generate_rays`, then until the queue is empty `trace_closest`, `shade`, and until no light is in question `trace_shadow`,
-//! `filter_shadow`.
+//! `filter_shadow`; where there are area lights, `area_round` and shadow rays again, until none has a question.
 
 use super::buffers::{FAULT_INTERIORS, SceneBuffers};
 use super::device::{Gpu, binding_layout, uniform_layout};
-use super::layout::{Batch, Counters, Hit, Ray, ShadowRay, Start};
+use super::layout::{AreaTask, Batch, Counters, Hit, Ray, ShadowRay, Start};
 use super::shader::assemble;
 use crate::backend::BackendError;
 use bytemuck::{Pod, bytes_of, cast_slice};
@@ -17,6 +17,9 @@ use std::time::{Duration, Instant};
 const MAX_SAMPLES: u32 = 1 << 18;
 /// A software device has its cores busy with far fewer, and smaller steps can be cancelled sooner.
 const MAX_SAMPLES_SOFTWARE: u32 = 1 << 15;
+/// Points of area lights that are kept at once: 16 bytes each.
+const MAX_AREA_POINTS: u32 = 1 << 23;
+const MAX_AREA_POINTS_SOFTWARE: u32 = 1 << 20;
 /// Rays in the queue for every sample.
 const QUEUE_DEPTH: u32 = 4;
 /// Steps that take longer are made smaller, since drivers end what runs for two seconds and desktops stand still meanwhile; those that take
@@ -33,6 +36,7 @@ struct Stages {
     shade: wgpu::ComputePipeline,
     trace_shadow: wgpu::ComputePipeline,
     filter_shadow: Option<wgpu::ComputePipeline>,
+    area_round: Option<wgpu::ComputePipeline>,
 }
 
 /// A scene on a device, ready to trace samples.
@@ -51,6 +55,7 @@ pub(super) struct Wavefront<'g> {
     /// Samples that can be traced at once.
     pub max_samples: u32,
     max_children: u32,
+    max_shadows: u32,
     queue_len: u32,
     /// What a step may take, and what it takes by what the last ones needed.
     max_batch: u32,
@@ -80,6 +85,9 @@ impl<'g> Wavefront<'g> {
         let queue_len = max_samples * QUEUE_DEPTH;
         let max_shadows = (2 * max_samples).max(scene.max_shadows);
         let n_children = (2 * max_samples).max(scene.max_children);
+        let max_areas = if scene.max_areas > 0 { (2 * max_samples).max(scene.max_areas) } else { 0 };
+        let most = if most == MAX_SAMPLES { MAX_AREA_POINTS } else { MAX_AREA_POINTS_SOFTWARE };
+        let max_area_points = if scene.max_areas > 0 { most.max(scene.max_area_points) } else { 0 };
         let storage = |what: &str, bytes: &[u8]| gpu.storage_buffer(what, bytes);
         let params = gpu.uniform_buffer("scene parameters", bytes_of(&scene.params));
         let batch = gpu.uniform_buffer("batch", bytes_of(&Batch::default()));
@@ -102,19 +110,21 @@ impl<'g> Wavefront<'g> {
         let [a, b] = shadows;
         let (a, b) = (a?, b?);
         let counters = gpu.empty_buffer("counters", bytes::<Counters>(1))?;
-        let radiance = gpu.empty_buffer("radiance", bytes::<[f32; 4]>(max_samples))?;
+        let radiance = gpu.empty_buffer("radiance", bytes::<[f32; 4]>(max_samples) + bytes::<[f32; 4]>(max_area_points))?;
+        let areas = gpu.empty_buffer("area lights at hits", bytes::<AreaTask>(max_areas))?;
         let starts = gpu.empty_buffer("camera rays", bytes::<Start>(max_samples))?;
 
         let mut entries = vec![uniform_layout(0), uniform_layout(1)];
         entries.extend((2..12).map(|k| binding_layout(k, false)));
         entries.extend((12..19).map(|k| binding_layout(k, true)));
         entries.push(binding_layout(19, false));
+        entries.push(binding_layout(20, true));
         let scene_layout = gpu.group_layout("scene", &entries);
         let table_layout = gpu.group_layout("tables", &[binding_layout(0, false), binding_layout(1, false)]);
         let group = |a: &wgpu::Buffer, b: &wgpu::Buffer| {
             let mut list: Vec<&wgpu::Buffer> = vec![&params, &batch];
             list.extend(&fixed);
-            list.extend([&rays, &hits, &children, a, b, &counters, &radiance, &starts]);
+            list.extend([&rays, &hits, &children, a, b, &counters, &radiance, &starts, &areas]);
             let numbered: Vec<(u32, &wgpu::Buffer)> = (0..).zip(list).collect();
             gpu.bind_group(&scene_layout, &numbered)
         };
@@ -126,6 +136,8 @@ impl<'g> Wavefront<'g> {
             let mut options = scene.options.clone();
             options.feature_if("shadow_rays", name == "trace_shadow");
             options.feature_if("double", gpu.has_double());
+            options.constant("AREA_POINTS_AT", max_samples);
+            options.constant("MAX_AREA_POINTS", max_area_points);
             gpu.compute_pipeline(name, &assemble(name, &options)?, name, &[&scene_layout, &table_layout])
         };
         let stages = Stages {
@@ -133,10 +145,17 @@ impl<'g> Wavefront<'g> {
             trace_closest: stage("trace_closest")?,
             shade: stage("shade")?,
             trace_shadow: stage("trace_shadow")?,
+            area_round: if scene.max_areas > 0 { Some(stage("area_round")?) } else { None },
             filter_shadow: if scene.transparency { Some(stage("filter_shadow")?) } else { None },
         };
         // No batch may send on more than the queues hold.
-        let max_batch = max_samples.min(n_children / scene.max_children.max(1)).min(max_shadows / scene.max_shadows.max(1)).max(1);
+        let fitting = [
+            n_children / scene.max_children.max(1),
+            max_shadows / scene.max_shadows.max(1),
+            max_areas.checked_div(scene.max_areas).unwrap_or(u32::MAX),
+            max_area_points.checked_div(scene.max_area_points).unwrap_or(u32::MAX),
+        ];
+        let max_batch = fitting.into_iter().fold(max_samples, u32::min).max(1);
         let max_children = scene.max_children;
         Ok(Self {
             gpu,
@@ -151,6 +170,7 @@ impl<'g> Wavefront<'g> {
             starts,
             max_samples,
             max_children,
+            max_shadows,
             queue_len,
             max_batch,
             batch_now: max_batch.min(FIRST_BATCH),
@@ -165,7 +185,7 @@ impl<'g> Wavefront<'g> {
             return Ok(Some(Vec::new()));
         }
         self.gpu.queue.write_buffer(&self.starts, 0, cast_slice(starts));
-        self.set_batch(0, n, 0);
+        self.set_batch(Batch { n, ..Batch::default() });
         let mut encoder = self.encoder();
         encoder.clear_buffer(&self.radiance, 0, Some(bytes::<[f32; 4]>(n)));
         self.run(&mut encoder, &self.stages.generate_rays, 0, n);
@@ -193,13 +213,14 @@ impl<'g> Wavefront<'g> {
         let room = (self.queue_len - pending) / self.max_children.saturating_sub(1).max(1);
         let n = pending.min(self.batch_now).min(room.max(1));
         let first = pending - n;
-        self.set_batch(first, n, 0);
+        self.set_batch(Batch { first, n, ..Batch::default() });
         self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
         let mut encoder = self.encoder();
         self.run(&mut encoder, &self.stages.trace_closest, 0, n);
         self.run(&mut encoder, &self.stages.shade, 0, n);
         let counters = self.read_counters(encoder)?;
         self.shadow_steps(counters.n_shadows)?;
+        self.area_rounds(&counters)?;
         let n_children = counters.n_children;
         if u64::from(first) + u64::from(n_children) > u64::from(self.queue_len) {
             return Err(BackendError::Unsupported("more rays in flight than the queue holds".into()));
@@ -217,7 +238,7 @@ impl<'g> Wavefront<'g> {
     fn shadow_steps(&self, n: u32) -> Result<(), BackendError> {
         let (mut n, mut side) = (n, 0);
         while n > 0 {
-            self.set_batch(0, 0, n);
+            self.set_batch(Batch { n_shadows: n, ..Batch::default() });
             let mut encoder = self.encoder();
             self.run(&mut encoder, &self.stages.trace_shadow, side, n);
             let Some(filter) = &self.stages.filter_shadow else {
@@ -232,6 +253,30 @@ impl<'g> Wavefront<'g> {
         Ok(())
     }
 
+    /// Follows the area lights that the hits asked, round by round: each asks for the points of its grid that the answers of the last one call for.
+    fn area_rounds(&self, asked: &Counters) -> Result<(), BackendError> {
+        let Some(stage) = &self.stages.area_round else { return Ok(()) };
+        if asked.n_areas == 0 {
+            return Ok(());
+        }
+        let mut encoder = self.encoder();
+        encoder.clear_buffer(&self.radiance, bytes::<[f32; 4]>(self.max_samples), Some(bytes::<[f32; 4]>(asked.n_area_points)));
+        self.gpu.queue.submit([encoder.finish()]);
+        for round in 0.. {
+            self.set_batch(Batch { n_areas: asked.n_areas, round, ..Batch::default() });
+            self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
+            let mut encoder = self.encoder();
+            self.run(&mut encoder, stage, 0, asked.n_areas);
+            // The queue may be full: what is left asks again.
+            let n = self.read_counters(encoder)?.n_shadows.min(self.max_shadows);
+            if n == 0 {
+                break;
+            }
+            self.shadow_steps(n)?;
+        }
+        Ok(())
+    }
+
     fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
@@ -241,8 +286,8 @@ impl<'g> Wavefront<'g> {
     }
 
     /// What the next submission works on.
-    fn set_batch(&self, first: u32, n: u32, n_shadows: u32) {
-        self.gpu.queue.write_buffer(&self.batch, 0, bytes_of(&Batch { first, n, n_shadows, padding: 0 }));
+    fn set_batch(&self, batch: Batch) {
+        self.gpu.queue.write_buffer(&self.batch, 0, bytes_of(&batch));
     }
 
     fn read_counters(&self, encoder: wgpu::CommandEncoder) -> Result<Counters, BackendError> {
