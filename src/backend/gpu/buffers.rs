@@ -1,6 +1,7 @@
 //! A compiled scene as the arrays that the shaders read: structs (`layout`), and words for what differs in length.
 //! Twin of the bindings: `shaders/shared/bindings.wesl`.
 
+use super::camera::start_interiors;
 use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
 use super::material_buffers::{encode_materials, material_constants};
 use super::mesh_buffers::{Boxes, MeshWords, encode_meshes};
@@ -12,9 +13,8 @@ use super::tree_words::{choose_walk, has_lists, structure_of, words_per_element}
 use crate::accel::AccelKind;
 use crate::backend::BackendError;
 use crate::compile::geometry::{InsideStep, PrimKind, prim_flags};
-use crate::compile::{CompiledScene, NONE};
+use crate::compile::{CompiledLight, CompiledScene, NONE};
 use crate::integrate::classic::{Piece, SHARP_MIRROR, ScenePlan};
-use crate::kernel::inside::containing_interiors;
 use crate::kernel::light::SUN_DISTANCE;
 use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE};
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Vec3};
@@ -108,22 +108,12 @@ impl SceneBuffers {
         params.n_emitters = plan.emitters.len() as u32;
         params.emitters_at = append(&mut words, emitters);
         let transparency = g.prims.iter().any(|p| p.flags & prim_flags::TRANSPARENT != 0);
-        if plan.camera_interiors.is_none() && (transparency || !scene.fogs.is_empty()) {
-            // Every ray would have to look for itself.
-            let mut is_inside = false;
-            containing_interiors(scene, scene.camera.location, |_| is_inside = true);
-            if is_inside {
-                return Err(BackendError::Unsupported("cameras with moving eye points inside objects".into()));
-            }
+        let around: Vec<u32> = start_interiors(scene, plan).iter().collect();
+        if around.len() > params.camera_interiors.len() {
+            return Err(BackendError::Unsupported("a camera inside more than eight objects".into()));
         }
-        if let Some(list) = &plan.camera_interiors {
-            let list: Vec<u32> = list.iter().collect();
-            if list.len() > params.camera_interiors.len() {
-                return Err(BackendError::Unsupported("a camera inside more than eight objects".into()));
-            }
-            params.camera_interiors[..list.len()].copy_from_slice(&list);
-            params.n_camera_interiors = list.len() as u32;
-        }
+        params.camera_interiors[..around.len()].copy_from_slice(&around);
+        params.n_camera_interiors = around.len() as u32;
         params.clip_steps_at = append(&mut words, g.clip_steps.iter().flat_map(clip_step));
         params.clip_boxes_at = append(&mut words, g.clip_boxes.iter().flat_map(|b| [bits3(b.min), bits3(b.max)].concat()));
         params.fogs_at = encode_fogs(scene, &mut words);
@@ -161,7 +151,7 @@ impl SceneBuffers {
         params.tree_extent = Vec3::from(params.tree_low).abs().max(Vec3::from(params.tree_high).abs()).max_element();
         let meshes = meshes.behind(&mut tree_nodes, &mut tree_refs, &mut words);
         let prims = encode_prims(scene, plan, &textures, &meshes, &mut words);
-        let lights = scene.lights.iter().map(|l| light(&l.light, &l.beam, &mut words)).collect();
+        let lights = scene.lights.iter().map(|l| light(scene, l, &mut words)).collect();
         let mut buffers = Self {
             params,
             prims,
@@ -216,6 +206,7 @@ impl SceneBuffers {
             ("area_lights", areas().next().is_some()),
             ("area_illumination", areas().any(|a| a.area_illumination)),
             ("crand", f.crand),
+            ("projected_through", scene.lights.iter().any(|l| l.projected_through != NONE)),
             ("random", needs_random(scene)),
             ("normals", f.normals),
             ("fog", !scene.fogs.is_empty()),
@@ -314,6 +305,7 @@ impl SceneBuffers {
             ("MIN_DEPTH_SHARE", MIN_DEPTH_SHARE),
             ("MAX_DISTANCE", MAX_DISTANCE as f32),
             ("SUN_DISTANCE", SUN_DISTANCE as f32),
+            ("CAMERA_DEPTH", plan.camera.mesh.as_ref().map_or(f32::MAX, |m| m.max_depth().min(3e38) as f32)),
             ("BACKGROUND_DEPTH", crate::kernel::atmosphere::BACKGROUND_DEPTH as f32),
             ("SHARP_MIRROR", SHARP_MIRROR.0),
             ("SHARP_MIRROR_END", SHARP_MIRROR.1),
@@ -555,7 +547,8 @@ fn area(a: &AreaLight) -> Vec<u32> {
     [&[a.n1.max(1), a.n2.max(1), a.adaptive, flags][..], &bits3(a.axis1), &bits3(a.axis2)].concat()
 }
 
-fn light(l: &crate::scene::Light, beam: &crate::compile::LightBeam, words: &mut Vec<u32>) -> Light {
+fn light(scene: &CompiledScene, compiled: &CompiledLight, words: &mut Vec<u32>) -> Light {
+    let CompiledLight { light: l, beam, .. } = compiled;
     let mut out =
         Light { location: v3(l.location), point_at: v3(l.point_at), color: l.color.to_array(), axis: v3(beam.axis), ..Light::default() };
     let mut flags = 0;
@@ -580,6 +573,10 @@ fn light(l: &crate::scene::Light, beam: &crate::compile::LightBeam, words: &mut 
         _ => {}
     }
     flags |= if l.parallel { LIGHT_PARALLEL } else { 0 };
+    if compiled.projected_through != NONE {
+        let prims = &scene.geometry.objects[compiled.projected_through as usize].prims;
+        out.projected_at = append(words, [prims.start, prims.end]);
+    }
     if let Some(a) = &l.area {
         out.area_at = append(words, area(a));
         flags |= if a.area_illumination { LIGHT_SPREAD } else { 0 };

@@ -1,14 +1,20 @@
-//! Camera rays of a batch, made here in double precision for every projection; the shaders take them from there.
+//! Camera rays of a batch, made here in double precision for every projection, lens and mesh; the shaders take them from there.
 //!
 //! A ray's direction in 32 bits is off by 6e-8 of the way to what it meets. Where nothing lies between the camera and the scene's box,
 //! rays start at the box, so that what is left of the way is short.
 
 use super::layout::Start;
+use crate::backend::BackendError;
 use crate::compile::CompiledScene;
-use crate::integrate::classic::{ScenePlan, single_ray};
+use crate::compile::geometry::prim_flags;
+use crate::integrate::classic::{InteriorList, ScenePlan, bent, interiors_at, single_ray};
 use crate::integrate::samples::hash;
+use crate::kernel::lens::Lens;
+use crate::kernel::mesh_camera::MeshCamera;
 use crate::math::{Bounds, Ray};
 use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Makes camera rays.
 pub(super) struct CameraRays<'s> {
@@ -16,6 +22,10 @@ pub(super) struct CameraRays<'s> {
     plan: &'s ScenePlan,
     /// Box of everything that can be met, if rays may start at it.
     start_box: Option<Bounds>,
+    /// What all rays must start in, where some may not.
+    around: Option<InteriorList>,
+    /// One did not.
+    strays: AtomicBool,
 }
 
 impl<'s> CameraRays<'s> {
@@ -25,7 +35,42 @@ impl<'s> CameraRays<'s> {
         let is_empty = scene.fogs.is_empty() && plan.camera_interiors.as_ref().is_some_and(|list| list.is_empty());
         let all = g.bounded.iter().map(|p| g.bounds[*p as usize]).reduce(Bounds::union);
         let start_box = all.filter(|b| is_empty && g.unbounded.is_empty() && b.min.is_finite() && b.max.is_finite());
-        Self { scene, plan, start_box }
+        let is_seen = !scene.fogs.is_empty() || g.prims.iter().any(|p| p.flags & prim_flags::TRANSPARENT != 0);
+        let is_watched = plan.camera_interiors.is_none() && is_seen;
+        let around = is_watched.then(|| start_interiors(scene, plan));
+        Self { scene, plan, start_box, around, strays: AtomicBool::new(false) }
+    }
+
+    /// Refuses a camera some of whose rays started inside other things than the rest: the shaders know one list.
+    pub fn check(&self) -> Result<(), BackendError> {
+        if self.strays.load(Ordering::Relaxed) {
+            Err(BackendError::Unsupported("cameras whose rays start inside different objects".into()))
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Rays of a mesh camera, those of a position together; and the number of each position's.
+    pub fn mesh_starts(&self, mesh: &MeshCamera, positions: &[(f64, f64)]) -> (Vec<Start>, Vec<u32>) {
+        let size = self.plan.camera.resolution();
+        let of = |(x, y): &(f64, f64)| -> Vec<Start> {
+            let key = position_key(*x, *y);
+            let rays = (0..mesh.n_rays()).filter_map(|m| mesh.ray(m, *x, *y, size).map(|r| (m, r)));
+            rays.map(|(m, r)| Start { key: hash(key ^ m), ..self.start(&r) }).collect()
+        };
+        let all: Vec<Vec<Start>> = positions.par_iter().map(of).collect();
+        let counts = all.iter().map(|l| l.len() as u32).collect();
+        (all.concat(), counts)
+    }
+
+    /// Samples `samples` of the lens at each position, those of a position together.
+    pub fn lens_starts(&self, lens: &Lens, positions: &[(f64, f64)], samples: Range<u32>) -> Vec<Start> {
+        let start = |x: f64, y: f64, n: u32| {
+            let (ray, at) = self.plan.camera.lens_ray(lens, x, y, n)?;
+            let ray = bent(self.scene, self.plan, ray, at);
+            Some(Start { key: hash(position_key(x, y) ^ n), ..self.start(&ray) })
+        };
+        positions.par_iter().flat_map_iter(|(x, y)| samples.clone().map(move |n| start(*x, *y, n).unwrap_or_default())).collect()
     }
 
     /// The ray of each picture position; integers are pixel centres.
@@ -38,9 +83,24 @@ impl<'s> CameraRays<'s> {
     }
 
     fn start(&self, ray: &Ray) -> Start {
+        if let Some(around) = &self.around
+            && !interiors_at(self.scene, ray.origin).iter().eq(around.iter())
+        {
+            self.strays.store(true, Ordering::Relaxed);
+        }
         let t = self.start_box.map_or(0.0, |b| entry(ray, &b));
         Start { origin: ray.at(t).as_vec3().to_array(), shown: 1, dir: ray.dir.as_vec3().to_array(), key: 0 }
     }
+}
+
+/// The interiors that camera rays start in: those of the camera's place, or of a ray of its mesh.
+pub(super) fn start_interiors(scene: &CompiledScene, plan: &ScenePlan) -> InteriorList {
+    if let Some(list) = &plan.camera_interiors {
+        return list.clone();
+    }
+    let size = plan.camera.resolution();
+    let of_mesh = plan.camera.mesh.as_ref().and_then(|mesh| (0..mesh.n_rays()).find_map(|m| mesh.ray(m, 0.0, 0.0, size)));
+    interiors_at(scene, of_mesh.map_or(scene.camera.location, |r| r.origin))
 }
 
 /// Key of the random numbers of a picture position.

@@ -153,9 +153,9 @@ shared! {
         fade_power: f32,
         flags: u32,
         area_at: u32,
+        projected_at: u32,
         padding0: u32,
         padding1: u32,
-        padding2: u32,
     }
     /// A ray on its way.
     struct Ray {

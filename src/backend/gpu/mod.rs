@@ -41,7 +41,10 @@ use crate::integrate::antialias::{Block, BlockMemo, Sample};
 use crate::integrate::classic::ScenePlan;
 use crate::integrate::samples::sample_position;
 use crate::integrate::{IntegratorKind, RenderSettings};
+use crate::kernel::lens::Lens;
+use crate::kernel::mesh_camera::MeshCamera;
 use buffers::SceneBuffers;
+use layout::Start;
 use rayon::prelude::*;
 use std::sync::atomic::AtomicBool;
 use wavefront::Wavefront;
@@ -115,7 +118,7 @@ impl Backend for GpuBackend {
         let wavefront = Wavefront::new(&self.gpu, &buffers)?;
         let camera = camera::CameraRays::new(scene, &plan);
         let (all, done) = unfinished_blocks(film, settings);
-        let mut picture = Picture { wavefront, camera, settings, film, progress, cancel, done };
+        let mut picture = Picture { plan: &plan, wavefront, camera, settings, film, progress, cancel, done };
         match &settings.antialias {
             Some(aa) => picture.render_blocks(aa, &all),
             None => picture.render_pixels(&all),
@@ -125,6 +128,7 @@ impl Backend for GpuBackend {
 
 /// A picture on its way from the wavefront into the film.
 struct Picture<'p> {
+    plan: &'p ScenePlan,
     wavefront: Wavefront<'p>,
     camera: camera::CameraRays<'p>,
     settings: &'p RenderSettings,
@@ -159,8 +163,7 @@ impl Picture<'_> {
                 let at: Vec<(f64, f64)> = part.par_iter().flat_map_iter(|p| sample_places(*p, first..end, self.settings.seed)).collect();
                 let Some(found) = self.trace(&at)? else { return Ok(()) };
                 for ((x, y), list) in part.iter().zip(found.chunks((end - first) as usize)) {
-                    let mut mean = [0.0f32; 4];
-                    list.iter().for_each(|s| (0..4).for_each(|k| mean[k] += s[k]));
+                    let mean = sum_of(list);
                     self.keep(*x, *y, mean.map(|v| v / list.len() as f32), end - first);
                 }
                 first = end;
@@ -203,11 +206,76 @@ impl Picture<'_> {
 
     /// What is seen at each position; `None` when cancelled.
     fn trace(&mut self, at: &[(f64, f64)]) -> Result<Option<Vec<Sample>>, BackendError> {
-        let starts = self.camera.starts(at);
-        let Some(mut found) = self.wavefront.trace(&starts, self.cancel)? else { return Ok(None) };
-        let nothing = [0.0, 0.0, 0.0, if self.settings.output_alpha { 1.0 } else { 0.0 }];
-        starts.iter().zip(&mut found).filter(|(s, _)| s.shown == 0).for_each(|(_, f)| *f = nothing);
+        let camera = &self.plan.camera;
+        if let Some(mesh) = &camera.mesh {
+            return self.trace_mesh(mesh, at);
+        }
+        match &camera.lens {
+            Some(lens) => self.trace_lens(lens, at),
+            None => self.trace_rays(&self.camera.starts(at)),
+        }
+    }
+
+    /// What each ray sees, however many there are.
+    fn trace_rays(&mut self, starts: &[Start]) -> Result<Option<Vec<Sample>>, BackendError> {
+        self.camera.check()?;
+        let nothing = self.nothing();
+        let mut found = Vec::with_capacity(starts.len());
+        for part in starts.chunks(self.wavefront.max_samples as usize) {
+            let Some(samples) = self.wavefront.trace(part, self.cancel)? else { return Ok(None) };
+            found.extend(part.iter().zip(samples).map(|(start, seen)| if start.shown == 0 { nothing } else { seen }));
+        }
         Ok(Some(found))
+    }
+
+    /// What a projection shows beyond its rim.
+    fn nothing(&self) -> Sample {
+        [0.0, 0.0, 0.0, if self.settings.output_alpha { 1.0 } else { 0.0 }]
+    }
+
+    /// Means over the rays of a mesh camera.
+    fn trace_mesh(&mut self, mesh: &MeshCamera, at: &[(f64, f64)]) -> Result<Option<Vec<Sample>>, BackendError> {
+        let (starts, counts) = self.camera.mesh_starts(mesh, at);
+        let Some(found) = self.trace_rays(&starts)? else { return Ok(None) };
+        let (nothing, mut rest) = (self.nothing(), found.as_slice());
+        let mean = |n: &u32| {
+            let (own, others) = rest.split_at(*n as usize);
+            rest = others;
+            if own.is_empty() { nothing } else { sum_of(own).map(|v| v / *n as f32) }
+        };
+        Ok(Some(counts.iter().map(mean).collect()))
+    }
+
+    /// Means over the lens, of as many samples as each position wants. Twin: `blurred` in src/integrate/classic/pixel.rs.
+    fn trace_lens(&mut self, lens: &Lens, at: &[(f64, f64)]) -> Result<Option<Vec<Sample>>, BackendError> {
+        let mut sums = vec![([0.0f32; 4], [0.0f32; 4]); at.len()];
+        let mut means = vec![[0.0f32; 4]; at.len()];
+        let mut open: Vec<usize> = (0..at.len()).collect();
+        let (mut n, mut group) = (0, 0);
+        while n < lens.max_samples() && !open.is_empty() {
+            let more = lens.group(group).min(lens.max_samples() - n);
+            // Few positions at a time, so that memory is bounded.
+            for part in open.chunks((self.wavefront.max_samples / more).max(1) as usize) {
+                let places: Vec<(f64, f64)> = part.iter().map(|k| at[*k]).collect();
+                let starts = self.camera.lens_starts(lens, &places, n..n + more);
+                let Some(found) = self.trace_rays(&starts)? else { return Ok(None) };
+                for (k, own) in part.iter().zip(found.chunks(more as usize)) {
+                    let (sum, sum_sq) = &mut sums[*k];
+                    for s in own {
+                        (0..4).for_each(|c| sum[c] += s[c]);
+                        (0..4).for_each(|c| sum_sq[c] += s[c] * s[c]);
+                    }
+                }
+            }
+            n += more;
+            group += 1;
+            open.retain(|k| {
+                let (sum, sum_sq) = sums[*k];
+                means[*k] = sum.map(|v| v / n as f32);
+                !lens.is_settled(n, sum, sum_sq)
+            });
+        }
+        Ok(Some(means))
     }
 
     fn keep_block(&mut self, [x0, y0, x1, y1]: Block, pixels: &[Sample]) {
@@ -228,6 +296,11 @@ impl Picture<'_> {
         self.done += n as u64;
         self.progress.pixels(self.done, (x1 - x0) * (y1 - y0));
     }
+}
+
+/// Sums of the channels.
+fn sum_of(samples: &[Sample]) -> Sample {
+    samples.iter().fold([0.0; 4], |sum, s| std::array::from_fn(|c| sum[c] + s[c]))
 }
 
 /// Picture positions of a range of a pixel's samples.

@@ -61,6 +61,7 @@ pub const MODULES: &[(&str, &str)] = modules![
     "probes/pigment",
     "probes/texture",
     "probes/texture_inputs",
+    "project_light",
     "shade",
     "shared/air",
     "shared/algebraic",

@@ -4,9 +4,9 @@
 use super::shape_buffers::julia_kind;
 use super::texture_buffers::{TextureRoots, encode_textures};
 use crate::backend::BackendError;
+use crate::compile::CompiledScene;
 use crate::compile::geometry::{PrimKind, prim_flags};
 use crate::compile::texture::TextureNode;
-use crate::compile::{CompiledScene, NONE};
 use crate::scene::Projection;
 
 /// Kinds of primitives that the shaders know, with the name of their feature.
@@ -92,10 +92,7 @@ fn obstacles(scene: &CompiledScene) -> Vec<String> {
         (f.subsurface, "subsurface light"),
         (f.dispersion, "dispersion"),
         (scene.lights.iter().any(|l| l.light.radius > 0.0), "lights with a radius"),
-        (scene.lights.iter().any(|l| l.projected_through != NONE), "lights that are projected through objects"),
         (scene.textures.finishes.iter().any(|f| f.reflection.exponent != 1.0), "reflection_exponent"),
-        (scene.camera.blur.as_ref().is_some_and(|b| b.aperture != 0.0 && b.max_samples > 0), "focal blur"),
-        (matches!(scene.camera.projection, Projection::Mesh { .. }), "mesh cameras"),
         (matches!(scene.camera.projection, Projection::Panorama(_)), "panoramas of Blender's"),
         (nested_bounds(scene), "bounded_by inside bounded_by"),
         (scene.geometry.shapes.polys.iter().any(|s| s.order > MOST_POLY_ORDER), "polynomials of an order above 10"),

@@ -2,7 +2,8 @@
 //! hits sent on in its place. Last in, first out: the queue grows by a few rays a level, not by the whole picture.
 //!
 //! Stages: `generate_rays`, then until the queue is empty `trace_closest`, `shade`, and until no light is in question `trace_shadow`,
-//! `filter_shadow`; where there are area lights, `area_round` and shadow rays again, until none has a question.
+//! `filter_shadow`; where there are area lights, `area_round` and shadow rays again, until none has a question;
+//! `project_light` before the first `trace_shadow` where lights are projected through objects.
 
 use super::buffers::{FAULT_INTERIORS, SceneBuffers};
 use super::device::{Gpu, binding_layout, uniform_layout};
@@ -37,6 +38,7 @@ struct Stages {
     trace_shadow: wgpu::ComputePipeline,
     filter_shadow: Option<wgpu::ComputePipeline>,
     area_round: Option<wgpu::ComputePipeline>,
+    project_light: Option<wgpu::ComputePipeline>,
 }
 
 /// A scene on a device, ready to trace samples.
@@ -146,6 +148,7 @@ impl<'g> Wavefront<'g> {
             shade: stage("shade")?,
             trace_shadow: stage("trace_shadow")?,
             area_round: if scene.max_areas > 0 { Some(stage("area_round")?) } else { None },
+            project_light: if scene.lights.iter().any(|l| l.projected_at != 0) { Some(stage("project_light")?) } else { None },
             filter_shadow: if scene.transparency { Some(stage("filter_shadow")?) } else { None },
         };
         // No batch may send on more than the queues hold.
@@ -236,10 +239,14 @@ impl<'g> Wavefront<'g> {
 
     /// Follows `n` shadow rays, and those that go on behind clear surfaces, to their ends.
     fn shadow_steps(&self, n: u32) -> Result<(), BackendError> {
-        let (mut n, mut side) = (n, 0);
+        let (mut n, mut side, mut is_first) = (n, 0, true);
         while n > 0 {
             self.set_batch(Batch { n_shadows: n, ..Batch::default() });
             let mut encoder = self.encoder();
+            if let (Some(project), true) = (&self.stages.project_light, is_first) {
+                self.run(&mut encoder, project, side, n);
+            }
+            is_first = false;
             self.run(&mut encoder, &self.stages.trace_shadow, side, n);
             let Some(filter) = &self.stages.filter_shadow else {
                 self.gpu.queue.submit([encoder.finish()]);

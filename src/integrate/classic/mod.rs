@@ -24,9 +24,10 @@ mod texturing;
 mod trace;
 
 pub use emitters::{EmitterPoint, Piece};
-pub use pixel::single_ray;
-pub use plan::ScenePlan;
+pub use pixel::{bent, single_ray};
+pub use plan::{ScenePlan, interiors_at};
 pub use principled::SHARP_MIRROR;
 pub use radiosity::RadiosityState;
+pub use ray::InteriorList;
 pub use shafts::takes_shafts;
 pub use trace::Tracer;

@@ -82,7 +82,7 @@ pub fn single_ray(scene: &CompiledScene, plan: &ScenePlan, x: f64, y: f64) -> Op
 }
 
 /// The ray with the camera's normal applied to its direction.
-fn bent(scene: &CompiledScene, plan: &ScenePlan, ray: Ray, at: DVec3) -> Ray {
+pub fn bent(scene: &CompiledScene, plan: &ScenePlan, ray: Ray, at: DVec3) -> Ray {
     let Some(normal_ix) = plan.camera.normal_ix else { return ray };
     let p = PatternPoint { point: at, uv: DVec2::ZERO, world: at, normal: DVec3::ZERO, ray_dir: DVec3::ZERO };
     let dir = cover::perturb_in_world(scene, normal_ix, ray.dir, &p);
