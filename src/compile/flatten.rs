@@ -5,6 +5,7 @@
 
 use super::extent::pov_extent_in;
 use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, PrimKind, Surface, prim_flags};
+use super::half_spaces::{HalfSpace, MOST as MAX_HALF_SPACES, shrunk};
 use super::leaf::{Degenerate, Leaf, LeafTables, add_glyph, add_leaf, padded};
 use super::motion::Motion;
 use super::programs::{Node, NodeKind, ProgramWriter, stack_depth};
@@ -376,7 +377,7 @@ impl Flattener {
             let mut steps = Vec::new();
             self.writer().require(root, true, &mut steps);
             record.inside = self.add_program(&steps)?;
-            self.assign(root, &[], InsideProgram::default(), Bounds::UNBOUNDED)?;
+            self.assign(root, &[], InsideProgram::default(), Bounds::UNBOUNDED, &mut Vec::new())?;
             if entered.flags & prim_flags::CUTAWAY != 0 && entered.texture.is_none() {
                 let start = self.geometry.cutaway_parts.len() as u32;
                 self.cutaway_parts(root)?;
@@ -745,15 +746,28 @@ impl Flattener {
         self.surfaces.add(Surface { texture, interior_texture, transform_ix })
     }
 
-    /// Gives the leaves below `node` their clip programs and bounds. `program` is `steps` as already added.
+    /// The half-space that a node is, if it is a plane.
+    fn half_space(&self, node: usize) -> Option<HalfSpace> {
+        let NodeKind::Leaf(prim_ix) = self.nodes[node].kind else { return None };
+        let prim = &self.geometry.prims[prim_ix as usize];
+        let plane = (prim.kind == PrimKind::Plane).then(|| &self.leaves.shapes.planes[prim.shape_ix as usize])?;
+        let below = HalfSpace { normal: plane.normal, limit: plane.distance };
+        Some(if prim.flags & prim_flags::INVERTED != 0 { below.flipped() } else { below })
+    }
+
+    /// Gives the leaves below `node` their clip programs and bounds. `program` is `steps` as already added; `within` are half-spaces that
+    /// hold what is left of them, beside `cut`.
     fn assign(
         &mut self,
         node: usize,
         steps: &[super::geometry::InsideStep],
         program: InsideProgram,
         cut: Bounds,
+        within: &mut Vec<HalfSpace>,
     ) -> Result<(), CompileError> {
         let n = self.nodes[node].clone();
+        let n_above = within.len();
+        within.extend(n.clips.iter().filter_map(|c| self.half_space(*c)));
         let cut = cut.intersection(n.surface_bounds);
         let mut own = Vec::new();
         self.writer().conditions(node, &mut own);
@@ -767,7 +781,10 @@ impl Flattener {
             NodeKind::Leaf(p) => {
                 let prim = &mut self.geometry.prims[*p as usize];
                 (prim.clip_start, prim.clip_len) = (program.start, program.len);
-                self.geometry.bounds[*p as usize] = cut;
+                let own = self.half_space(node);
+                within.extend(own.into_iter().flat_map(|h| [h, h.flipped()]));
+                self.geometry.bounds[*p as usize] = shrunk(cut, within);
+                within.truncate(n_above);
                 return Ok(());
             }
             NodeKind::All(list) | NodeKind::Any(list) | NodeKind::Merge(list) => list,
@@ -783,12 +800,20 @@ impl Flattener {
                 Some(now)
             })
             .collect();
+        let planes: Vec<(usize, HalfSpace)> = match is_all {
+            true => list.iter().filter_map(|c| Some((*c, self.half_space(*c)?))).take(MAX_HALF_SPACES + 1).collect(),
+            false => Vec::new(),
+        };
         let mut before = cut;
         for (k, c) in list.iter().enumerate() {
             let child_cut = if is_all { before.intersection(after[list.len() - 1 - k]) } else { cut };
-            self.assign(*c, steps, program, child_cut)?;
+            let n_here = within.len();
+            within.extend(planes.iter().filter(|(plane, _)| plane != c).map(|(_, h)| *h));
+            self.assign(*c, steps, program, child_cut, within)?;
+            within.truncate(n_here);
             before = before.intersection(self.nodes[*c].bounds);
         }
+        within.truncate(n_above);
         Ok(())
     }
 }

@@ -7,6 +7,7 @@ mod features;
 mod flatten;
 pub mod function;
 pub mod geometry;
+mod half_spaces;
 mod leaf;
 pub mod motion;
 mod programs;

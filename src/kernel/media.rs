@@ -15,7 +15,8 @@ pub fn phase_value(kind: u8, eccentricity: f64, cos: f64) -> f64 {
         4 => 0.799_372_013 * (1.0 + cos * cos),
         5 => {
             let g = eccentricity;
-            (1.0 - g * g) / (1.0 + g * g - 2.0 * g * cos).powf(1.5)
+            let d = 1.0 + g * g - 2.0 * g * cos;
+            (1.0 - g * g) / (d * d.sqrt())
         }
         _ => 1.0,
     }

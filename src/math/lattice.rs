@@ -1,6 +1,7 @@
 //! Gradient noise on POV-Ray's lattice of random numbers: where a point lies, and the sums over the corners of its cell.
 //!
-//! Two twins give the same numbers to the last bit: plain code here, AVX2 in `math/simd`. Generators, clamping and octaves: `math/noise`.
+//! Two twins give the same numbers to the last bit: plain code here, AVX2 and AVX-512 in `math/simd`. Both fuse the same products and sums;
+//! where the processor cannot, the library does, slowly. Generators, clamping and octaves: `math/noise`.
 //! Source: FACTS.md section 2 and spec/textures.md section 0; the 267 lattice numbers were measured ([`NOISE_TABLE`]).
 
 use super::random::HASH;
@@ -65,9 +66,11 @@ static ROW_16: [u8; 1 << 16] = {
 
 /// Rows of the eight corners of cell (x, y, z), each 0..=[`CELL_MASK`]; x changes first, z last.
 #[inline(always)]
-pub(super) fn corner_rows([x, y, z]: [u16; 3]) -> [usize; 8] {
-    let hash = |i: u16| HASH_16[usize::from(i)];
-    let row = |i: u16| usize::from(ROW_16[usize::from(i)]);
+pub(super) fn corner_rows(cell: [u16; 3]) -> [usize; 8] {
+    // Masked, so that the compiler sees that no sum or difference leaves 16 bits.
+    let [x, y, z] = cell.map(|i| usize::from(i) & CELL_MASK as usize);
+    let hash = |i: usize| usize::from(HASH_16[i]);
+    let row = |i: usize| usize::from(ROW_16[i]);
     let (x0, x1) = (hash(x), hash(x + 1));
     let (y1, z1) = (y + 1, z + 1);
     let (a, b, c, d) = (hash(x0 ^ y), hash(x1 ^ y), hash(x0 ^ y1), hash(x1 ^ y1));
@@ -90,9 +93,15 @@ pub(super) static ROWS: [Row; 256] = {
     rows
 };
 
-/// Rows of vector noise, three scalar rows that lie four apart: values, then slopes along x, y and z, each for three components.
-pub(super) static VECTOR_ROWS: [[Row; 4]; 256] = {
-    let mut rows = [[Row([0.0; 4]); 4]; 256];
+/// Two rows of four numbers side by side.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct WideRow(pub [f64; 8]);
+
+/// Rows of vector noise, three scalar rows that lie four apart, each number for three components: values and slopes along x, then slopes
+/// along y and z.
+pub(super) static VECTOR_ROWS: [[WideRow; 2]; 256] = {
+    let mut rows = [[WideRow([0.0; 8]); 2]; 256];
     let mut k = 0;
     while k < 256 {
         let mut component = 0;
@@ -100,7 +109,7 @@ pub(super) static VECTOR_ROWS: [[Row; 4]; 256] = {
             let row = row_at(k + 4 * component);
             let mut part = 0;
             while part < 4 {
-                rows[k][part].0[component] = row[part];
+                rows[k][part / 2].0[part % 2 * 4 + component] = row[part];
                 part += 1;
             }
             component += 1;
@@ -140,38 +149,54 @@ fn corners(p: DVec3) -> Corners {
     Corners { rows: corner_rows([ix, iy, iz]), place: [x, y, z], share: [s_curve(x), s_curve(y), s_curve(z)] }
 }
 
-/// The weighted mean of the corners' planes; `row` gives a corner's numbers.
-///
-/// Seven plain mixes, not eight weights: the compiler makes vectors of sums of weights, which takes twice as long (measured, opt-level 3).
+/// A mix as the processor's fused instruction has it.
 #[inline(always)]
-fn mean(c: &Corners, row: impl Fn(usize) -> [f64; 4]) -> f64 {
-    let ([x, y, z], [sx, sy, sz]) = (c.place, c.share);
-    let (x1, y1, z1) = (x - 1.0, y - 1.0, z - 1.0);
-    let at = |i: usize, x: f64, y: f64, z: f64| {
-        let [v, a, b, c] = row(c.rows[i]);
-        v + a * x + b * y + c * z
-    };
-    let mix = |t: f64, a: f64, b: f64| a + t * (b - a);
-    let low = mix(sy, mix(sx, at(0, x, y, z), at(1, x1, y, z)), mix(sx, at(2, x, y1, z), at(3, x1, y1, z)));
-    let high = mix(sy, mix(sx, at(4, x, y, z1), at(5, x1, y, z1)), mix(sx, at(6, x, y1, z1), at(7, x1, y1, z1)));
+fn mix(t: f64, a: f64, b: f64) -> f64 {
+    t.mul_add(b - a, a)
+}
+
+/// The corners' numbers mixed along x, y and z; x changes first.
+#[inline(always)]
+fn mixed([sx, sy, sz]: [f64; 3], at: impl Fn(usize) -> f64) -> f64 {
+    let low = mix(sy, mix(sx, at(0), at(1)), mix(sx, at(2), at(3)));
+    let high = mix(sy, mix(sx, at(4), at(5)), mix(sx, at(6), at(7)));
     mix(sz, low, high)
 }
 
-/// The lattice's value at a point, neither clamped nor biased. Twin: `math/simd`.
-#[inline]
-pub(super) fn scalar(p: DVec3) -> f64 {
-    mean(&corners(p), |k| ROWS[k & 255].0)
+/// The way from corner `k` to the place inside the cell.
+#[inline(always)]
+fn from_corner([x, y, z]: [f64; 3], k: usize) -> [f64; 3] {
+    let [x1, y1, z1] = [x - 1.0, y - 1.0, z - 1.0];
+    [if k & 1 == 0 { x } else { x1 }, if k & 2 == 0 { y } else { y1 }, if k & 4 == 0 { z } else { z1 }]
 }
 
-/// Three values of the lattice at a point. Twin: `math/simd`.
+/// The lattice's value at a point, neither clamped nor biased: the four numbers of the corners' planes are mixed by themselves, then
+/// added. Twin: `math/simd`.
+#[inline]
+pub(super) fn scalar(p: DVec3) -> f64 {
+    let c = corners(p);
+    let part = |j: usize| {
+        mixed(c.share, |k| {
+            let v = ROWS[c.rows[k] & 255].0[j];
+            if j == 0 { v } else { v * from_corner(c.place, k)[j - 1] }
+        })
+    };
+    (part(0) + part(2)) + (part(1) + part(3))
+}
+
+/// Three values of the lattice at a point, by halves: value and slope along y, slopes along x and z. Twin: `math/simd`.
 #[inline]
 pub(super) fn vector(p: DVec3) -> DVec3 {
     let c = corners(p);
     let component = |j: usize| {
-        mean(&c, |k| {
-            let rows = &VECTOR_ROWS[k & 255];
-            [rows[0].0[j], rows[1].0[j], rows[2].0[j], rows[3].0[j]]
-        })
+        let half = |h: usize| {
+            mixed(c.share, |k| {
+                let ([va, bc], [x, y, z]) = (&VECTOR_ROWS[c.rows[k] & 255], from_corner(c.place, k));
+                let at = 4 * h + j;
+                if h == 0 { bc.0[at].mul_add(y, va.0[at]) } else { bc.0[at].mul_add(z, va.0[at] * x) }
+            })
+        };
+        half(0) + half(1)
     };
     DVec3::new(component(0), component(1), component(2))
 }

@@ -6,7 +6,7 @@ use super::DVec3;
 pub use super::lattice::NOISE_TABLE;
 use super::lattice::s_curve;
 use super::random::lcg_step;
-use super::simd::kernels as simd;
+use super::simd::noise as simd;
 use std::sync::LazyLock;
 
 /// Noise in 0..=1 by generator 1 (original), 2 (range corrected) or 3 (Perlin).

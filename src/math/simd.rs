@@ -1,11 +1,12 @@
-//! Several numbers at once: AVX2 where the processor has it, else plain arrays that give the same numbers to the last bit (no fused
-//! multiplication anywhere). The module with `unsafe` for the processor's instructions.
+//! Several numbers at once: AVX2 where the processor has it, else plain arrays that give the same numbers to the last bit (nothing is
+//! fused but in `noise`, by both). The module with `unsafe` for the processor's instructions.
 //!
 //! A [`Kernel`] is written once, over a [`Simd`], and compiled for both; [`run`] takes the one that the processor can do. All of it that
 //! is `#[inline(always)]` is compiled for AVX2 too.
 #![allow(unsafe_code)]
 
 pub(crate) mod kernels;
+pub(in crate::math) mod noise;
 
 /// Work that is compiled for each kind of processor.
 pub trait Kernel {

@@ -326,6 +326,9 @@ impl Tracer<'_> {
         let (mut ext, mut light, mut scattering) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
         for ix in call.media.iter() {
             let medium = &scene.media[ix as usize];
+            if call.is_shadow && is_dark(extinction(&medium.params)) {
+                continue;
+            }
             let density = self.density(ix, point, call.ray.dir);
             ext += density * extinction(&medium.params);
             if !call.is_shadow {
@@ -376,6 +379,13 @@ impl Tracer<'_> {
         }
         let t = &self.scene.geometry.transforms[medium.transform_ix as usize];
         let p = PatternPoint { point: t.inverse_point(point), uv: DVec2::ZERO, world: point, normal: DVec3::ZERO, ray_dir };
-        medium.densities.iter().fold(Vec3::ONE, |product, d| product * texturing::pigment(self.scene, *d, &p).map_or(Vec3::ONE, |c| c.rgb))
+        let mut product = Vec3::ONE;
+        for d in &self.plan.media_densities[ix as usize] {
+            product *= texturing::pigment(self.scene, *d, &p).map_or(Vec3::ONE, |c| c.rgb);
+            if product == Vec3::ZERO {
+                break;
+            }
+        }
+        product
     }
 }

@@ -3,6 +3,7 @@
 use super::area_packet::area_orders;
 use super::emitters::{EmitterPoint, emitter_points};
 use super::ray::InteriorList;
+use crate::compile::texture::{PatternCode, PigmentCode, WarpNode};
 use crate::compile::{CompiledScene, NONE};
 use crate::kernel::camera::CameraModel;
 use crate::kernel::inside::containing_interiors;
@@ -62,6 +63,8 @@ pub struct ScenePlan {
     pub area_orders: Vec<Option<Vec<[u32; 2]>>>,
     /// By medium: the same everywhere.
     pub constant_media: Vec<bool>,
+    /// By medium: its densities, those first that are found quickly: where one is 0 the others are not asked.
+    pub media_densities: Vec<Vec<u32>>,
     /// By medium: its stop thresholds.
     pub media_thresholds: Vec<Vec<f64>>,
 }
@@ -91,6 +94,7 @@ impl ScenePlan {
             has_media: !scene.media.is_empty(),
             area_orders: area_orders(scene),
             constant_media: scene.media.iter().map(|m| m.densities.is_empty()).collect(),
+            media_densities: scene.media.iter().map(|m| quick_first(scene, &m.densities)).collect(),
             media_thresholds: scene.media.iter().map(|m| stop_thresholds(&m.params)).collect(),
         }
     }
@@ -104,6 +108,28 @@ impl ScenePlan {
         let f = &scene.features;
         scene.options.quality >= 5 && jittered_light || jittered_bow || random_media || f.crand || f.radiosity || f.subsurface
     }
+}
+
+/// Pigments by what they cost: a few operations, a formula, noise.
+fn quick_first(scene: &CompiledScene, pigments: &[u32]) -> Vec<u32> {
+    let cost = |pigment: &u32| {
+        let t = &scene.textures;
+        let node = &t.pigments[*pigment as usize];
+        let pattern = match node.code {
+            PigmentCode::Solid(_) => return 0,
+            PigmentCode::Colors(_) => &t.patterns[node.pattern as usize],
+            _ => return 3,
+        };
+        let is_noisy = pattern.warps.of(&t.warps).iter().any(|w| matches!(w, WarpNode::Turbulence { .. }));
+        match pattern.code {
+            _ if is_noisy => 3,
+            PatternCode::Spherical | PatternCode::Boxed | PatternCode::Planar | PatternCode::Cylindrical | PatternCode::Gradient(_) => 1,
+            _ => 2,
+        }
+    };
+    let mut list = pigments.to_vec();
+    list.sort_by_key(cost);
+    list
 }
 
 fn lights_of_group(scene: &CompiledScene, group: u32) -> Vec<u32> {
