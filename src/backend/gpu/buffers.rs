@@ -4,6 +4,7 @@
 use super::camera::start_interiors;
 use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
 use super::material_buffers::{encode_materials, material_constants};
+use super::media_buffers::{encode_media, media_options};
 use super::mesh_buffers::{Boxes, MeshWords, encode_meshes};
 use super::shader::ShaderOptions;
 use super::shape_buffers::encode_shape;
@@ -42,6 +43,10 @@ pub(super) struct SceneBuffers {
     pub max_areas: u32,
     /// Points of them all.
     pub max_area_points: u32,
+    /// Points that the samples of a ray's media have.
+    pub media_points: u32,
+    /// Some medium is there.
+    pub media: bool,
     /// Some shadow rays go on behind what they meet.
     pub transparency: bool,
 }
@@ -151,6 +156,8 @@ impl SceneBuffers {
         params.tree_extent = Vec3::from(params.tree_low).abs().max(Vec3::from(params.tree_high).abs()).max_element();
         let meshes = meshes.behind(&mut tree_nodes, &mut tree_refs, &mut words);
         let prims = encode_prims(scene, plan, &textures, &meshes, &mut words);
+        let mut interiors: Vec<Interior> = scene.interiors.iter().map(interior).collect();
+        encode_media(scene, plan, &textures, &mut words, &mut params, &mut interiors);
         let lights = scene.lights.iter().map(|l| light(scene, l, &mut words)).collect();
         let mut buffers = Self {
             params,
@@ -160,13 +167,15 @@ impl SceneBuffers {
             meshes,
             finishes: scene.textures.finishes.iter().map(finish).collect(),
             lights,
-            interiors: scene.interiors.iter().map(interior).collect(),
+            interiors,
             textures,
             options: ShaderOptions::default(),
             max_children: 0,
             max_shadows: 0,
             max_areas: 0,
             max_area_points: 0,
+            media_points: 0,
+            media: scene.features.media,
             transparency,
         };
         buffers.meshes.nodes = tree_nodes;
@@ -263,6 +272,7 @@ impl SceneBuffers {
             ("FAULT_CHILDREN", FAULT_QUEUE),
             ("FAULT_SHADOWS", FAULT_QUEUE),
             ("FLAG_NO_SHADOW", prim_flags::NO_SHADOW),
+            ("FLAG_NO_GLOBAL_LIGHTS", prim_flags::NO_GLOBAL_LIGHTS),
             ("FLAG_NO_IMAGE", prim_flags::NO_IMAGE),
             ("FLAG_NO_REFLECTION", prim_flags::NO_REFLECTION),
             ("FLAG_DOUBLE_ILLUMINATE", prim_flags::DOUBLE_ILLUMINATE),
@@ -279,6 +289,7 @@ impl SceneBuffers {
             ("LIGHT_IN_AIR", LIGHT_IN_AIR),
             ("LIGHT_HAS_RADIUS", LIGHT_HAS_RADIUS),
             ("LIGHT_SPREAD", LIGHT_SPREAD),
+            ("LIGHT_IN_MEDIA", LIGHT_IN_MEDIA),
             ("AREA_JITTER", AREA_JITTER),
             ("AREA_CIRCULAR", AREA_CIRCULAR),
             ("AREA_ORIENT", AREA_ORIENT),
@@ -298,6 +309,7 @@ impl SceneBuffers {
             o.constant(&format!("KIND_{}", name.to_uppercase()), *kind as u32);
         }
         material_constants().into_iter().for_each(|(name, v)| o.constant(&name, v));
+        self.media_points = media_options(scene, &mut o)?;
         let irid = scene.settings.irid_wavelength;
         let numbers = [
             ("MIN_DEPTH", MIN_DEPTH as f32),
@@ -333,6 +345,7 @@ const LIGHT_SHADOWLESS: u32 = 2;
 const LIGHT_IN_AIR: u32 = 4;
 const LIGHT_HAS_RADIUS: u32 = 8;
 const LIGHT_SPREAD: u32 = 16;
+const LIGHT_IN_MEDIA: u32 = 32;
 const AREA_JITTER: u32 = 1;
 const AREA_CIRCULAR: u32 = 2;
 const AREA_ORIENT: u32 = 4;
@@ -537,7 +550,9 @@ fn finish(f: &crate::scene::Finish) -> Finish {
 
 /// Whether the shaders draw random numbers, where the CPU draws POV-Ray's own.
 pub(super) fn needs_random(scene: &CompiledScene) -> bool {
-    scene.features.crand || scene.lights.iter().any(|l| l.light.area.as_ref().is_some_and(|a| a.jitter))
+    scene.features.crand
+        || scene.media.iter().any(|m| m.params.jitter != 0.0)
+        || scene.lights.iter().any(|l| l.light.area.as_ref().is_some_and(|a| a.jitter))
 }
 
 /// Words of an area light, as `area.wesl` reads them.
@@ -582,6 +597,7 @@ fn light(scene: &CompiledScene, compiled: &CompiledLight, words: &mut Vec<u32>) 
         flags |= if a.area_illumination { LIGHT_SPREAD } else { 0 };
     }
     flags |= if l.shadowless { LIGHT_SHADOWLESS } else { 0 };
+    flags |= if l.media_interaction { LIGHT_IN_MEDIA } else { 0 };
     flags |= if l.media_attenuation && l.media_interaction { LIGHT_IN_AIR } else { 0 };
     out.flags = flags;
     out

@@ -32,10 +32,11 @@ impl<'s> CameraRays<'s> {
     /// For `scene`. The air must be empty for rays to start late: no fog, no interior around the camera.
     pub fn new(scene: &'s CompiledScene, plan: &'s ScenePlan) -> Self {
         let g = &scene.geometry;
-        let is_empty = scene.fogs.is_empty() && plan.camera_interiors.as_ref().is_some_and(|list| list.is_empty());
+        let is_empty =
+            scene.fogs.is_empty() && scene.atmosphere.is_empty() && plan.camera_interiors.as_ref().is_some_and(|list| list.is_empty());
         let all = g.bounded.iter().map(|p| g.bounds[*p as usize]).reduce(Bounds::union);
         let start_box = all.filter(|b| is_empty && g.unbounded.is_empty() && b.min.is_finite() && b.max.is_finite());
-        let is_seen = !scene.fogs.is_empty() || g.prims.iter().any(|p| p.flags & prim_flags::TRANSPARENT != 0);
+        let is_seen = !scene.fogs.is_empty() || scene.features.media || g.prims.iter().any(|p| p.flags & prim_flags::TRANSPARENT != 0);
         let is_watched = plan.camera_interiors.is_none() && is_seen;
         let around = is_watched.then(|| start_interiors(scene, plan));
         Self { scene, plan, start_box, around, strays: AtomicBool::new(false) }

@@ -55,6 +55,10 @@ shared! {
         n_emitters: u32,
         lists_at: u32,
         n_meshes: u32,
+        air_media_at: u32,
+        global_lights_at: u32,
+        padding0: u32,
+        padding1: u32,
     }
     /// Where a camera ray starts.
     struct Start {
@@ -107,9 +111,9 @@ shared! {
         old_refraction: f32,
         caustics: f32,
         hollow: u32,
+        media_at: u32,
         padding0: u32,
         padding1: u32,
-        padding2: u32,
     }
     /// An answer to light.
     struct Finish {
@@ -173,7 +177,7 @@ shared! {
         from_face: u32,
         max_depth: f32,
         key: u32,
-        padding: u32,
+        media_at: u32,
     }
     /// What a ray met.
     struct Hit {

@@ -7,6 +7,7 @@ use crate::backend::BackendError;
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{PrimKind, prim_flags};
 use crate::compile::texture::TextureNode;
+use crate::math::Vec3;
 use crate::scene::Projection;
 
 /// Kinds of primitives that the shaders know, with the name of their feature.
@@ -39,6 +40,8 @@ pub(super) const PLACED: &[PrimKind] = &[PrimKind::Lathe, PrimKind::Prism];
 
 /// Of polynomial surfaces (`unit_roots.wesl`).
 const MOST_POLY_ORDER: u32 = 10;
+/// Of media: each level doubles the places that samples may have.
+const MOST_AA_LEVEL: u32 = 8;
 
 /// Refuses what cannot be rendered here, with all of the reasons.
 pub(super) fn check(scene: &CompiledScene) -> Result<(), BackendError> {
@@ -56,7 +59,9 @@ pub(super) fn check(scene: &CompiledScene) -> Result<(), BackendError> {
 /// What the shaders evaluate of a scene's textures and functions.
 pub(super) fn roots(scene: &CompiledScene) -> TextureRoots {
     let functions = scene.geometry.shapes.isosurfaces.iter().map(|s| s.function).collect();
-    TextureRoots { functions, ..TextureRoots::of_scene(scene) }
+    let mut all = TextureRoots { functions, ..TextureRoots::of_scene(scene) };
+    all.pigments.extend(scene.media.iter().flat_map(|m| &m.densities));
+    all
 }
 
 /// Refuses shapes that cannot be traced here, whatever covers and lights them.
@@ -86,7 +91,10 @@ fn obstacles(scene: &CompiledScene) -> Vec<String> {
     let f = &scene.features;
     let listed = [
         (scene.options.quality < 9, "quality levels below 9"),
-        (f.media, "media"),
+        (scene.media.iter().any(|m| m.params.method != 3), "media of methods 1 and 2"),
+        (scene.media.iter().any(|m| m.params.aa_level > MOST_AA_LEVEL), "media of an aa_level above 8"),
+        (f.media && !scene.fogs.is_empty(), "fog with media"),
+        (area_in_media(scene), "area lights in media"),
         (f.rainbow, "rainbows"),
         (f.radiosity, "radiosity"),
         (f.subsurface, "subsurface light"),
@@ -103,6 +111,16 @@ fn obstacles(scene: &CompiledScene) -> Vec<String> {
     }
     list.extend(listed.iter().filter(|(holds, _)| *holds).map(|(_, what)| (*what).to_owned()));
     list
+}
+
+/// Whether media scatter the light of area lights.
+fn area_in_media(scene: &CompiledScene) -> bool {
+    scatters(scene) && scene.lights.iter().any(|l| l.light.area.is_some() && l.light.media_interaction && !l.light.shadowless)
+}
+
+/// Whether media ask for lamps.
+pub(super) fn scatters(scene: &CompiledScene) -> bool {
+    scene.media.iter().any(|m| m.params.scattering != Vec3::ZERO) && !scene.lights.is_empty()
 }
 
 /// Whether the objects that bound others are bounded themselves.

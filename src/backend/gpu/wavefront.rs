@@ -1,9 +1,9 @@
 //! The wavefront: rays wait in a queue, each step takes a batch off its end through trace, shade and shadow, and puts the rays that the
 //! hits sent on in its place. Last in, first out: the queue grows by a few rays a level, not by the whole picture.
 //!
-//! Stages: `generate_rays`, then until the queue is empty `trace_closest`, `shade`, and until no light is in question `trace_shadow`,
-//! `filter_shadow`; where there are area lights, `area_round` and shadow rays again, until none has a question;
-//! `project_light` before the first `trace_shadow` where lights are projected through objects.
+//! Stages: `generate_rays`, then until the queue is empty `trace_closest`, where there are media `media_round`, `shade`, and until no light
+//! is in question `trace_shadow`, `filter_shadow`; where there are area lights, `area_round`. It and `media_round` ask with shadow rays and
+//! run again until they have no question. `project_light` comes before `trace_shadow` where lights are projected through objects.
 
 use super::buffers::{FAULT_INTERIORS, SceneBuffers};
 use super::device::{Gpu, binding_layout, uniform_layout};
@@ -39,6 +39,7 @@ struct Stages {
     filter_shadow: Option<wgpu::ComputePipeline>,
     area_round: Option<wgpu::ComputePipeline>,
     project_light: Option<wgpu::ComputePipeline>,
+    media_round: Option<wgpu::ComputePipeline>,
 }
 
 /// A scene on a device, ready to trace samples.
@@ -53,6 +54,10 @@ pub(super) struct Wavefront<'g> {
     children: wgpu::Buffer,
     counters: wgpu::Buffer,
     radiance: wgpu::Buffer,
+    hits: wgpu::Buffer,
+    /// The hits, while the buffer serves shadow rays of media.
+    kept_hits: wgpu::Buffer,
+    media_points: u32,
     starts: wgpu::Buffer,
     /// Samples that can be traced at once.
     pub max_samples: u32,
@@ -89,7 +94,8 @@ impl<'g> Wavefront<'g> {
         let n_children = (2 * max_samples).max(scene.max_children);
         let max_areas = if scene.max_areas > 0 { (2 * max_samples).max(scene.max_areas) } else { 0 };
         let most = if most == MAX_SAMPLES { MAX_AREA_POINTS } else { MAX_AREA_POINTS_SOFTWARE };
-        let max_area_points = if scene.max_areas > 0 { most.max(scene.max_area_points) } else { 0 };
+        let needed = scene.max_area_points.max(scene.media_points);
+        let max_area_points = if needed > 0 { most.max(needed) } else { 0 };
         let storage = |what: &str, bytes: &[u8]| gpu.storage_buffer(what, bytes);
         let params = gpu.uniform_buffer("scene parameters", bytes_of(&scene.params));
         let batch = gpu.uniform_buffer("batch", bytes_of(&Batch::default()));
@@ -107,6 +113,7 @@ impl<'g> Wavefront<'g> {
         ];
         let rays = gpu.empty_buffer("rays", bytes::<Ray>(queue_len))?;
         let hits = gpu.empty_buffer("hits", bytes::<Hit>(max_samples.max(max_shadows)))?;
+        let kept_hits = gpu.empty_buffer("kept hits", bytes::<Hit>(if scene.media_points > 0 { max_samples } else { 0 }))?;
         let children = gpu.empty_buffer("new rays", bytes::<Ray>(n_children))?;
         let shadows = [0, 1].map(|_| gpu.empty_buffer("shadow rays", bytes::<ShadowRay>(max_shadows)));
         let [a, b] = shadows;
@@ -148,6 +155,7 @@ impl<'g> Wavefront<'g> {
             shade: stage("shade")?,
             trace_shadow: stage("trace_shadow")?,
             area_round: if scene.max_areas > 0 { Some(stage("area_round")?) } else { None },
+            media_round: if scene.media { Some(stage("media_round")?) } else { None },
             project_light: if scene.lights.iter().any(|l| l.projected_at != 0) { Some(stage("project_light")?) } else { None },
             filter_shadow: if scene.transparency { Some(stage("filter_shadow")?) } else { None },
         };
@@ -156,7 +164,7 @@ impl<'g> Wavefront<'g> {
             n_children / scene.max_children.max(1),
             max_shadows / scene.max_shadows.max(1),
             max_areas.checked_div(scene.max_areas).unwrap_or(u32::MAX),
-            max_area_points.checked_div(scene.max_area_points).unwrap_or(u32::MAX),
+            max_area_points.checked_div(needed).unwrap_or(u32::MAX),
         ];
         let max_batch = fitting.into_iter().fold(max_samples, u32::min).max(1);
         let max_children = scene.max_children;
@@ -170,6 +178,9 @@ impl<'g> Wavefront<'g> {
             children,
             counters,
             radiance,
+            hits,
+            kept_hits,
+            media_points: scene.media_points,
             starts,
             max_samples,
             max_children,
@@ -220,6 +231,9 @@ impl<'g> Wavefront<'g> {
         self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
         let mut encoder = self.encoder();
         self.run(&mut encoder, &self.stages.trace_closest, 0, n);
+        if let Some(stage) = &self.stages.media_round {
+            encoder = self.media_rounds(stage, encoder, first, n)?;
+        }
         self.run(&mut encoder, &self.stages.shade, 0, n);
         let counters = self.read_counters(encoder)?;
         self.shadow_steps(counters.n_shadows)?;
@@ -258,6 +272,38 @@ impl<'g> Wavefront<'g> {
             side = 1 - side;
         }
         Ok(())
+    }
+
+    /// What media do to a batch of rays whose hits are known, after what was recorded so far; gives a new encoder. Samples ask for lamps round by round.
+    fn media_rounds(
+        &self,
+        stage: &wgpu::ComputePipeline,
+        mut encoder: wgpu::CommandEncoder,
+        first: u32,
+        n: u32,
+    ) -> Result<wgpu::CommandEncoder, BackendError> {
+        if self.media_points > 0 {
+            let room = bytes::<[f32; 4]>(n) * u64::from(self.media_points);
+            encoder.clear_buffer(&self.radiance, bytes::<[f32; 4]>(self.max_samples), Some(room));
+            encoder.copy_buffer_to_buffer(&self.hits, 0, &self.kept_hits, 0, bytes::<Hit>(n));
+        }
+        for round in 0.. {
+            self.run(&mut encoder, stage, 0, n);
+            if self.media_points == 0 {
+                break;
+            }
+            let asked = self.read_counters(encoder)?.n_shadows.min(self.max_shadows);
+            encoder = self.encoder();
+            self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
+            if asked == 0 {
+                break;
+            }
+            self.shadow_steps(asked)?;
+            encoder.copy_buffer_to_buffer(&self.kept_hits, 0, &self.hits, 0, bytes::<Hit>(n));
+            self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
+            self.set_batch(Batch { first, n, round: round + 1, ..Batch::default() });
+        }
+        Ok(encoder)
     }
 
     /// Follows the area lights that the hits asked, round by round: each asks for the points of its grid that the answers of the last one call for.
