@@ -34,7 +34,7 @@ const NODE_COST: usize = 512;
 const TREE_COST: usize = 256;
 
 /// Primitives of a scene cost several times what triangles do.
-const SCENE_TREE: AccelOptions = AccelOptions { intersect_cost: 4.0, max_leaf: 1, pack: 1, max_refs_per_prim: 8.0 };
+pub(super) const SCENE_TREE: AccelOptions = AccelOptions { intersect_cost: 4.0, max_leaf: 1, pack: 1, max_refs_per_prim: 8.0 };
 
 /// The bounded primitives as a tree sees them.
 struct BoundedPrims<'a> {

@@ -9,6 +9,7 @@ pub mod function;
 pub mod geometry;
 mod half_spaces;
 mod leaf;
+pub mod merged;
 pub mod motion;
 mod programs;
 pub mod shape;

@@ -16,6 +16,7 @@ pub mod lens;
 pub mod light;
 pub mod material;
 pub mod media;
+pub mod merged;
 pub mod mesh_camera;
 pub mod normal;
 mod offers;

@@ -214,6 +214,18 @@ impl<'a> Nearest<'a> {
         }
     }
 
+    /// With moving objects where they are at `time`.
+    #[inline]
+    pub fn at_time(scene: &'a CompiledScene, ray: &'a Ray, time: f64, t_min: f64, t_max: f64) -> Self {
+        Self { time, ..Self::new(scene, ray, t_min, t_max) }
+    }
+
+    /// For any hit.
+    #[inline]
+    pub fn first(self) -> Self {
+        Self { stop_at_first: true, ..self }
+    }
+
     /// For any hit with `t_min < t < t_max`, of a ray that was asked about an object's bounds before.
     #[inline]
     pub fn any(scene: &'a CompiledScene, ray: &'a Ray, t_min: f64, t_max: f64, bounds_asked: (u32, bool)) -> Self {
@@ -256,6 +268,22 @@ impl<'a> Nearest<'a> {
             LocalRay { origin: t.inverse_point(self.ray.origin), dir: dir / len, scale: len }
         };
         intersect_shape(self.scene, prim, &local, self);
+    }
+
+    /// Takes up a hit with a face of a mesh that has no clip program; of faces that are hit at once the first of the mesh stands.
+    #[inline]
+    pub fn push_face(&mut self, prim_ix: u32, t: f64, part: Part) {
+        if t == self.t && prim_ix == self.prim_ix && part.face >= self.part.face {
+            return;
+        }
+        (self.prim, self.clip, self.per_local) = (prim_ix, InsideProgram::default(), 1.0);
+        self.push(t, part);
+    }
+
+    /// Primitive of the best hit.
+    #[inline]
+    pub fn prim_ix(&self) -> u32 {
+        self.prim_ix
     }
 
     /// Where a moving primitive's object is, from where it rests.

@@ -8,12 +8,19 @@ use super::shader::shader_of;
 use super::volume::{VolumeStack, grid_summary};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
+use crate::compile::merged::MergedMeshes;
+use crate::kernel::SurfaceHit;
+use crate::kernel::merged::{intersect_merged, intersect_merged_object, intersect_merged_shadow};
+use crate::kernel::traverse::{ShadowHit, intersect_at, intersect_object_at, intersect_shadow_at};
+use crate::math::Ray;
 use crate::scene::{PassSet, PathSettings, Shader};
 use std::sync::Arc;
 
 /// A scene made ready for path tracing.
 pub struct PathPlan<'s> {
     pub(super) scene: &'s CompiledScene,
+    /// The faces of still meshes in one tree, where rays are traced here.
+    merged: Option<MergedMeshes>,
     /// Limits, filter, clamps.
     pub settings: PathSettings,
     /// Rays of the camera.
@@ -46,16 +53,26 @@ pub struct PathPlan<'s> {
 }
 
 impl<'s> PathPlan<'s> {
-    /// For a picture of `width` x `height` pixels.
+    /// For a picture of `width` x `height` pixels, made by [`super::PathTracer`]s.
     pub fn new(scene: &'s CompiledScene, width: u32, height: u32, seed: u32, output_alpha: bool) -> Self {
+        Self::with_tree(scene, width, height, seed, output_alpha, MergedMeshes::new(scene))
+    }
+
+    /// For a picture whose rays are traced elsewhere: nothing is built for them.
+    pub fn without_tree(scene: &'s CompiledScene, width: u32, height: u32, seed: u32, output_alpha: bool) -> Self {
+        Self::with_tree(scene, width, height, seed, output_alpha, None)
+    }
+
+    fn with_tree(scene: &'s CompiledScene, width: u32, height: u32, seed: u32, output_alpha: bool, merged: Option<MergedMeshes>) -> Self {
         let settings = scene.settings.path.clone();
         let shaders: Vec<Arc<Shader>> = scene.textures.principled.iter().map(shader_of).collect();
-        let lights = LightSet::new(scene, &shaders);
+        let lights = LightSet::new(scene, &shaders, merged.as_ref());
         let moves = scene.geometry.prims.iter().any(|p| p.flags & prim_flags::MOVING != 0);
         let deforms = scene.geometry.shapes.meshes.iter().any(|m| m.moving.is_some());
         let has_volumes = shaders.iter().any(|s| s.volume.is_some()) || scene.environment.as_ref().is_some_and(|e| e.volume.is_some());
         let mut plan = Self {
             scene,
+            merged,
             camera_volumes: VolumeStack::default(),
             camera: PathCamera::new(scene, width, height),
             filter: FilterTable::new(settings.filter),
@@ -76,6 +93,33 @@ impl<'s> PathPlan<'s> {
             plan.camera_volumes = plan.volumes_at(scene.camera.location);
         }
         plan
+    }
+
+    /// Nearest hit; see [`intersect_at`].
+    #[inline]
+    pub(super) fn intersect(&self, ray: &Ray, time: f64, t_min: f64, t_max: f64, skip_flags: u32) -> Option<SurfaceHit> {
+        match &self.merged {
+            Some(m) => intersect_merged(self.scene, m, ray, time, t_min, t_max, skip_flags),
+            None => intersect_at(self.scene, ray, time, t_min, t_max, skip_flags),
+        }
+    }
+
+    /// Nearest hit with one object; see [`intersect_object_at`].
+    #[inline]
+    pub(super) fn intersect_object(&self, object_ix: u32, ray: &Ray, time: f64, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
+        match &self.merged {
+            Some(m) => intersect_merged_object(self.scene, m, object_ix, ray, time, t_min, t_max),
+            None => intersect_object_at(self.scene, object_ix, ray, time, t_min, t_max),
+        }
+    }
+
+    /// What stands in the way; see [`intersect_shadow_at`].
+    #[inline]
+    pub(super) fn intersect_shadow(&self, ray: &Ray, time: f64, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
+        match &self.merged {
+            Some(m) => intersect_merged_shadow(self.scene, m, ray, time, t_min, t_max),
+            None => intersect_shadow_at(self.scene, ray, time, t_min, t_max, last),
+        }
     }
 
     /// Object and material of the bodies around the camera.

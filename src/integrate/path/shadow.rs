@@ -6,7 +6,7 @@ use super::plan::PathPlan;
 use super::surface::Surface;
 use super::volume::VolumeStack;
 use crate::compile::geometry::prim_flags;
-use crate::kernel::traverse::{ShadowHit, intersect_at, intersect_shadow_at};
+use crate::kernel::traverse::ShadowHit;
 use crate::math::{DVec3, Ray, Rgb, Vec3};
 
 /// Rays do not see what is nearer than this to where they start. Meshes are tested in double precision on exact vertices.
@@ -36,7 +36,7 @@ impl PathPlan<'_> {
     /// What a ray to a light meets first of the catchers.
     fn among_catchers(&self, ray: &Ray, time: f64, left: f64) -> ShadowHit {
         let skip = prim_flags::NO_CATCHER | prim_flags::NO_SHADOW;
-        intersect_at(self.scene, ray, time, NEAR, left, skip).map_or(ShadowHit::None, ShadowHit::Transparent)
+        self.intersect(ray, time, NEAR, left, skip).map_or(ShadowHit::None, ShadowHit::Transparent)
     }
 
     /// Share of light that comes through. `last` remembers what blocked a ray before.
@@ -53,7 +53,7 @@ impl PathPlan<'_> {
             }
             let met = match part {
                 Part::Alone => self.among_catchers(&ray, time, left),
-                _ => intersect_shadow_at(self.scene, &ray, time, NEAR, left, *last),
+                _ => self.intersect_shadow(&ray, time, NEAR, left, *last),
             };
             match met {
                 ShadowHit::None => {

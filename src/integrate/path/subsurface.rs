@@ -11,7 +11,6 @@ use super::surface::Surface;
 use super::trace::{Path, PathTracer};
 use crate::kernel::bsdf::frame::Frame;
 use crate::kernel::bsdf::{Event, Lobe, LobeKind, LobeSet};
-use crate::kernel::traverse::intersect_object_at;
 use crate::math::sobol::Pcg;
 use crate::math::{DVec3, Ray, Vec3};
 
@@ -68,7 +67,7 @@ impl PathTracer<'_> {
             };
             let t = f64::from(-(1.0 - rng.draw()).ln() / sigma);
             let ray = Ray::new(at, dir.normalize());
-            let hit = intersect_object_at(plan.scene, surface.prim.object_ix, &ray, path.time, NEAR, t);
+            let hit = plan.intersect_object(surface.prim.object_ix, &ray, path.time, NEAR, t);
             if step == 0 && hit.is_none() && t.is_infinite() {
                 return false;
             }

@@ -11,7 +11,6 @@ use super::surface::Surface;
 use super::volume::VolumeStack;
 use crate::kernel::SurfaceHit;
 use crate::kernel::bsdf::{Event, LobeSet};
-use crate::kernel::traverse::intersect_at;
 use crate::math::{DVec3, Ray, Rgb, Vec3};
 
 /// Events of one path at most, transparent surfaces included: a guard against scenes that never end.
@@ -161,14 +160,8 @@ impl<'p> PathTracer<'p> {
     pub(super) fn trace(&mut self, path: &mut Path) {
         while path.step < MAX_STEPS {
             let survival = path.bounces.survival(path.throughput, &self.plan.settings);
-            let hit = intersect_at(
-                self.plan.scene,
-                &path.ray,
-                path.time,
-                NEAR,
-                f64::INFINITY,
-                path.bounces.kind.skip_flags() | path.part.skip_flags(),
-            );
+            let skip = path.bounces.kind.skip_flags() | path.part.skip_flags();
+            let hit = self.plan.intersect(&path.ray, path.time, NEAR, f64::INFINITY, skip);
             let t = hit.as_ref().map_or(f64::INFINITY, |h| h.t);
             // Lamps stand in the volumes: light of one comes through what lies before it alone.
             self.add_lamps(path, t);

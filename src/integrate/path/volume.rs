@@ -10,7 +10,6 @@ use super::sampler::Set;
 use super::shadow::{NEAR, ShadowRay};
 use super::surface::Surface;
 use super::trace::{Origin, Path, PathTracer, balance};
-use crate::kernel::traverse::intersect_at;
 use crate::math::sobol::Pcg;
 use crate::math::{DVec3, Ray, Rgb, Transform, Vec3};
 use crate::scene::volume::Grid;
@@ -257,7 +256,7 @@ impl PathPlan<'_> {
         let mut ray = Ray::new(point, dir);
         let mut entered: Vec<u32> = Vec::new();
         for _ in 0..1024 {
-            let Some(hit) = intersect_at(self.scene, &ray, -1.0, NEAR, f64::INFINITY, 0) else { break };
+            let Some(hit) = self.intersect(&ray, -1.0, NEAR, f64::INFINITY, 0) else { break };
             let surface = Surface::new(self.scene, hit, dir, -1.0);
             if self.material(&surface).0.is_some_and(|s| s.volume.is_some()) {
                 let object = surface.prim.object_ix;

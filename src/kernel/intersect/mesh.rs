@@ -13,7 +13,7 @@ use std::cell::RefCell;
 /// Meshes of so many packs are tested face by face, without their tree.
 const FEW_PACKS: usize = 2;
 /// Hits nearer than this are not seen.
-pub(super) const TOLERANCE: f64 = 1e-6;
+pub(crate) const TOLERANCE: f64 = 1e-6;
 
 /// A ray made ready for triangle tests: sheared so that it runs along its longest axis, which comes last.
 pub struct ShearedRay {
@@ -94,12 +94,12 @@ struct PackTest<S: Simd> {
 }
 
 /// Hits of a pack: depths, weights of corners 2 and 3.
-struct PackHits {
-    t: [f64; PACK],
-    a: [f64; PACK],
-    b: [f64; PACK],
+pub(crate) struct PackHits {
+    pub t: [f64; PACK],
+    pub a: [f64; PACK],
+    pub b: [f64; PACK],
     /// A bit for each triangle that is met nearer than what was asked for, and not behind.
-    met: u32,
+    pub met: u32,
 }
 
 impl<S: Simd> PackTest<S> {
@@ -126,6 +126,18 @@ impl ShearedRay {
         let zero = s.splat(0.0);
         let mixed = s.lt(least, zero) & s.lt(zero, most);
         PackTest { w: [w1, w2, w3], z: [a[2], b[2], c[2]], met: !mixed & ((1 << PACK) - 1) }
+    }
+
+    /// Hits before `far` with the first `count` triangles of a pack.
+    #[inline(always)]
+    pub(crate) fn pack_hits<S: Simd>(&self, s: S, pack: &TrianglePack, count: u32, far: f64) -> PackHits {
+        let test = self.test_pack(s, pack);
+        let wanted = (1 << count) - 1;
+        if test.met & wanted == 0 {
+            return PackHits { t: [0.0; PACK], a: [0.0; PACK], b: [0.0; PACK], met: 0 };
+        }
+        let hits = test.hits(s, self, far);
+        PackHits { met: hits.met & wanted, ..hits }
     }
 
     /// The same corner of four triangles, moved and sheared.
@@ -190,13 +202,8 @@ pub(super) fn offer_pack<Lanes: Simd>(
     last: &mut (f64, u32),
     mut far: f64,
 ) -> f64 {
-    let wanted = (1 << faces.len()) - 1;
-    let test = ray.test_pack(simd, pack);
-    if test.met & wanted == 0 {
-        return far;
-    }
-    let hits = test.hits(simd, ray, far);
-    let mut met = hits.met & wanted;
+    let hits = ray.pack_hits(simd, pack, faces.len() as u32, far);
+    let mut met = hits.met;
     while met != 0 {
         let k = met.trailing_zeros() as usize % PACK;
         met &= met - 1;

@@ -209,7 +209,7 @@ pub(super) fn render(
     progress: &dyn Progress,
     cancel: &AtomicBool,
 ) -> Result<(), BackendError> {
-    let plan = PathPlan::new(scene, settings.width, settings.height, settings.seed, settings.output_alpha);
+    let plan = PathPlan::without_tree(scene, settings.width, settings.height, settings.seed, settings.output_alpha);
     let on_device = PathScene::new(gpu, scene, &plan, kind, [settings.width, settings.height], settings.noise.is_some())?;
     if let Some(limit) = &settings.noise {
         return adaptive::until_quiet(&on_device, settings, limit, film, progress, cancel);
@@ -260,7 +260,7 @@ pub(super) fn measure(
     n: u32,
 ) -> Result<PathTimes, BackendError> {
     let start = Instant::now();
-    let plan = PathPlan::new(scene, settings.width, settings.height, settings.seed, settings.output_alpha);
+    let plan = PathPlan::without_tree(scene, settings.width, settings.height, settings.seed, settings.output_alpha);
     let mut on_device = PathScene::new(gpu, scene, &plan, kind, [settings.width, settings.height], false)?;
     let pixels: Vec<(u32, u32)> = blocks(settings.crop, settings.block_size).iter().flat_map(|b| tiles_of(*b)).collect();
     let parts = pixels.chunks(MAX_SLOTS).map(|part| on_device.slots(part)).collect::<Result<Vec<Slots>, _>>()?;

@@ -4,6 +4,7 @@ use super::tree::TreeLight;
 use super::{LightSample, triangle};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{PrimKind, prim_flags};
+use crate::compile::merged::{MergedMeshes, rounded};
 use crate::compile::texture::TextureNode;
 use crate::integrate::path::closure::{emission, plain_emission};
 use crate::integrate::path::surface::Surface;
@@ -96,8 +97,8 @@ fn volume(faces: &[[u32; 3]], vertices: &[Vec3]) -> f64 {
 }
 
 impl Emitters {
-    /// Of a scene whose materials have `shaders`.
-    pub fn new(scene: &CompiledScene, shaders: &[Arc<Shader>]) -> (Self, Vec<TreeLight>) {
+    /// Of a scene whose materials have `shaders`. Faces stand where the rays meet them: those in `merged` have rounded corners.
+    pub fn new(scene: &CompiledScene, shaders: &[Arc<Shader>], merged: Option<&MergedMeshes>) -> (Self, Vec<TreeLight>) {
         let g = &scene.geometry;
         let mut all = Self { list: Vec::new(), first: HashMap::new() };
         let mut lights = Vec::new();
@@ -129,6 +130,8 @@ impl Emitters {
             }
             let transform = g.transforms[prim.transform_ix as usize];
             let first = all.list.len() as u32;
+            let is_merged = merged.is_some_and(|m| m.member(prim_ix as u32).is_some());
+            let in_world = |c: DVec3| if is_merged { rounded(transform.point(c)) } else { transform.point(c) };
             let mut by_face = HashMap::new();
             let is_solid = || {
                 is_closed(&mesh.faces, &mesh.vertices)
@@ -136,7 +139,7 @@ impl Emitters {
             };
             for face in 0..mesh.faces.len() {
                 let Some(shader) = shines(shader_of(face)) else { continue };
-                let corners = shape.corners(face as u32).map(|c| transform.point(c));
+                let corners = shape.corners(face as u32).map(in_world);
                 let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
                 let area = 0.5 * cross.length();
                 if !(area > 0.0) {

@@ -12,6 +12,7 @@ mod tests;
 pub mod tree;
 pub mod triangle;
 
+use crate::compile::merged::MergedMeshes;
 use crate::compile::{CompiledLight, CompiledScene};
 use crate::kernel::SurfaceHit;
 use crate::kernel::light::{area_axes, area_offset, attenuation, light_ray};
@@ -133,8 +134,8 @@ pub fn grey(c: Rgb) -> f64 {
 }
 
 impl LightSet {
-    /// Of a scene.
-    pub fn new(scene: &CompiledScene, shaders: &[Arc<Shader>]) -> Self {
+    /// Of a scene, of whose meshes some stand in one tree.
+    pub fn new(scene: &CompiledScene, shaders: &[Arc<Shader>], merged: Option<&MergedMeshes>) -> Self {
         let (mut lamps, mut plain) = (Vec::new(), Vec::new());
         for (k, CompiledLight { light, .. }) in scene.lights.iter().enumerate() {
             match &light.lamp {
@@ -144,7 +145,7 @@ impl LightSet {
             }
         }
         let environment = ReadyEnvironment::new(scene);
-        let (emitters, triangle_lights) = Emitters::new(scene, shaders);
+        let (emitters, triangle_lights) = Emitters::new(scene, shaders, merged);
         let mut lights: Vec<TreeLight> = Vec::new();
         let (mut suns, mut tree_lamps, mut tree_of_lamp) = (Vec::new(), Vec::new(), vec![u32::MAX; lamps.len()]);
         for (k, lamp) in lamps.iter().enumerate() {

@@ -75,7 +75,7 @@ fn lights_are_chosen_with_the_chances_that_are_told() {
         .collect();
     let s = scene(vec![covered(Shape::Plane { normal: DVec3::Z, distance: 0.0 }, lambert(0.5))], lights, Vec3::ZERO);
     let c = compiled(&s);
-    let set = LightSet::new(&c, &[]);
+    let set = LightSet::new(&c, &[], None);
     let mut rng = crate::math::sobol::Pcg::new(3);
     for (p, n) in [(DVec3::ZERO, Some(DVec3::Z)), (DVec3::new(2.0, 1.0, 0.5), None)] {
         let draws = 40_000;
