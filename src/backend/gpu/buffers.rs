@@ -18,7 +18,7 @@ use crate::compile::{CompiledLight, CompiledScene, NONE};
 use crate::integrate::classic::{Piece, SHARP_MIRROR, ScenePlan};
 use crate::kernel::light::SUN_DISTANCE;
 use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE};
-use crate::math::{Bounds, DVec3, MAX_DISTANCE, Vec3};
+use crate::math::{Bounds, DVec3, MAX_DISTANCE, Rgbft, Vec3};
 use crate::savings::Saving;
 use crate::scene::light::{AreaLight, Fade, LightKind};
 use std::collections::BTreeSet;
@@ -122,6 +122,7 @@ impl SceneBuffers {
         params.clip_steps_at = append(&mut words, g.clip_steps.iter().flat_map(clip_step));
         params.clip_boxes_at = append(&mut words, g.clip_boxes.iter().flat_map(|b| [bits3(b.min), bits3(b.max)].concat()));
         params.fogs_at = encode_fogs(scene, &mut words);
+        params.rainbows_at = encode_rainbows(scene, &mut words, &mut textures.words);
         if let Some(sky) = &scene.sky {
             let pigments = sky.pigments.iter().map(|p| textures.pigments[*p as usize]);
             params.sky_at = append(&mut words, std::iter::once(sky.pigments.len() as u32).chain(pigments));
@@ -219,6 +220,7 @@ impl SceneBuffers {
             ("random", needs_random(scene)),
             ("normals", f.normals),
             ("fog", !scene.fogs.is_empty()),
+            ("rainbow", f.rainbow),
             ("fog_turbulence", scene.fogs.iter().any(|f| f.turbulence.is_some())),
             ("sky", scene.sky.is_some()),
             ("modern", plan.modern),
@@ -266,6 +268,7 @@ impl SceneBuffers {
             ("MAX_MIRRORS", mirrors.max(1)),
             ("N_LIGHTS", scene.lights.len() as u32),
             ("FOG_LEN", FOG_LEN),
+            ("RAINBOW_LEN", RAINBOW_LEN),
             ("MAX_RECURSION", 1200),
             ("RAY_REFLECTED", RAY_REFLECTED),
             ("FAULT_INTERIORS", FAULT_INTERIORS),
@@ -352,6 +355,7 @@ const AREA_ORIENT: u32 = 4;
 const FADE_POV: u32 = 1;
 const FADE_INVERSE_SQUARE: u32 = 2;
 const FOG_LEN: u32 = 20;
+const RAINBOW_LEN: u32 = 17;
 /// Codes of steps are their places here.
 const STEP_NAMES: [&str; 9] = [
     "STEP_PRIM",
@@ -423,6 +427,27 @@ fn encode_fogs(scene: &CompiledScene, words: &mut Vec<u32>) -> u32 {
     };
     let fogs: Vec<u32> = scene.fogs.iter().flat_map(fog).collect();
     append(words, std::iter::once(scene.fogs.len() as u32).chain(fogs))
+}
+
+/// The last declared first, as their jitter is drawn; their colours go to the texture words.
+fn encode_rainbows(scene: &CompiledScene, words: &mut Vec<u32>, texture_words: &mut Vec<u32>) -> u32 {
+    let bow = |b: &crate::scene::Rainbow| {
+        let n = |v: f64| (v as f32).to_bits();
+        let entry = |(at, c): &(f32, Rgbft)| {
+            [at.to_bits(), c.rgb.x.to_bits(), c.rgb.y.to_bits(), c.rgb.z.to_bits(), c.filter.to_bits(), c.transmit.to_bits()]
+        };
+        let entries = &b.color_map.entries;
+        let colors = append(texture_words, entries.iter().flat_map(entry));
+        let right = b.up.cross(b.direction).try_normalize().unwrap_or(DVec3::X);
+        let mut w = [bits3(b.direction), bits3(b.up), bits3(right)].concat();
+        let half_arc = b.arc_rad.map_or(f64::from(f32::MAX), |a| 0.5 * a);
+        w.extend([n(b.angle_rad - 0.5 * b.width_rad), n(b.width_rad), n(half_arc), n(0.5 * b.falloff_rad), n(b.distance), n(b.jitter)]);
+        w.extend([colors, entries.len() as u32]);
+        debug_assert_eq!(w.len() as u32, RAINBOW_LEN, "as the shader reads it");
+        w
+    };
+    let seen: Vec<Vec<u32>> = scene.rainbows.iter().rev().filter(|b| b.distance != 0.0 && b.width_rad != 0.0).map(bow).collect();
+    append(words, std::iter::once(seen.len() as u32).chain(seen.concat()))
 }
 
 fn encode_prims(scene: &CompiledScene, plan: &ScenePlan, textures: &TextureWords, meshes: &MeshWords, words: &mut Vec<u32>) -> Vec<Prim> {
@@ -551,6 +576,7 @@ fn finish(f: &crate::scene::Finish) -> Finish {
 /// Whether the shaders draw random numbers, where the CPU draws POV-Ray's own.
 pub(super) fn needs_random(scene: &CompiledScene) -> bool {
     scene.features.crand
+        || scene.rainbows.iter().any(|b| b.jitter != 0.0)
         || scene.media.iter().any(|m| m.params.jitter != 0.0)
         || scene.lights.iter().any(|l| l.light.area.as_ref().is_some_and(|a| a.jitter))
 }

@@ -57,8 +57,8 @@ shared! {
         n_meshes: u32,
         air_media_at: u32,
         global_lights_at: u32,
-        padding0: u32,
-        padding1: u32,
+        rainbows_at: u32,
+        padding: u32,
     }
     /// Where a camera ray starts.
     struct Start {

@@ -98,7 +98,7 @@ impl Backend for GpuBackend {
     fn differs(&self, scene: &CompiledScene, settings: &RenderSettings) -> Option<&'static str> {
         let is_random = settings.integrator == IntegratorKind::Classic && buffers::needs_random(scene);
         is_random.then_some(
-            "the GPU draws other random numbers than POV-Ray for crand and the jitter of area lights and media: the same grain, not dot for dot",
+            "the GPU draws other random numbers than POV-Ray for crand and the jitter of area lights, media and rainbows: the same grain, not dot for dot",
         )
     }
 

@@ -108,6 +108,7 @@ pub const MODULES: &[(&str, &str)] = modules![
     "shared/pigment",
     "shared/principled",
     "shared/prism",
+    "shared/rainbow",
     "shared/random",
     "shared/real",
     "shared/shadow_air",

@@ -95,7 +95,7 @@ fn obstacles(scene: &CompiledScene) -> Vec<String> {
         (scene.media.iter().any(|m| m.params.aa_level > MOST_AA_LEVEL), "media of an aa_level above 8"),
         (f.media && !scene.fogs.is_empty(), "fog with media"),
         (area_in_media(scene), "area lights in media"),
-        (f.rainbow, "rainbows"),
+        (f.rainbow && f.media, "rainbows with media"),
         (f.radiosity, "radiosity"),
         (f.subsurface, "subsurface light"),
         (f.dispersion, "dispersion"),
