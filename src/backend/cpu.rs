@@ -1,16 +1,17 @@
 //! The CPU: blocks of pixels on all cores. The picture does not depend on the number of threads.
 //!
-//! POV-Ray gives every thread its own random streams, so its noisy pictures change with the number of threads. Here every scene
-//! whose picture depends on the order of rays (`ScenePlan::needs_ordered_rays`) is rendered block after block on one core, with
-//! streams that run on: POV-Ray's own order with one thread. All others are rendered in parallel.
+//! POV-Ray gives every thread its own random streams, so its noisy pictures change with the number of threads. Here a scene whose
+//! picture depends on the order of rays (`ScenePlan::needs_ordered_rays`) has two: that of POV-Ray's one thread, block after block with
+//! streams that run on (`RenderSettings::in_order`), and one whose blocks have streams of their own and radiosity's samples of the
+//! groups of blocks before, which any number of threads makes alike.
 
 use super::paths::render_paths;
 use super::unfinished::{add_samples, clear, unfinished_blocks};
 use super::{Backend, BackendError, Progress};
 use crate::compile::CompiledScene;
 use crate::film::Film;
-use crate::integrate::antialias::{Block, Sample};
-use crate::integrate::classic::{RadiosityState, ScenePlan, Tracer};
+use crate::integrate::antialias::{Block, Sample, blocks};
+use crate::integrate::classic::{RadiosityState, ScenePlan, Tracer, pretrace_side_by_side};
 use crate::integrate::samples::sample_position;
 use crate::integrate::{IntegratorKind, RenderSettings};
 use rayon::prelude::*;
@@ -51,7 +52,7 @@ impl Backend for CpuBackend {
             return render_paths(scene, settings, &pool, film, progress, cancel);
         }
         let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
-        let ordered = ScenePlan::needs_ordered_rays(scene);
+        let ordered = settings.in_order && ScenePlan::needs_ordered_rays(scene);
         let threads = if ordered { 1 } else { settings.threads.clamp(1, self.threads) };
         let pool = pool_of(threads)?;
         if ordered {
@@ -62,21 +63,29 @@ impl Backend for CpuBackend {
         let done = AtomicU64::new(n_finished);
         let job = Job { settings, progress, cancel, done, film: Mutex::new(film) };
         let tracer = || Tracer::new(scene, &plan).until(cancel);
+        let radiosity = scene.settings.radiosity.as_ref().filter(|_| plan.quality.volumes);
+        let longest = settings.width.max(settings.height);
+        let go_on = || !cancel.load(Ordering::Relaxed);
         pool.install(|| {
             if ordered {
                 let mut main = tracer();
-                if let (Some(r), true) = (&scene.settings.radiosity, plan.quality.volumes) {
+                if let Some(r) = radiosity {
                     let mut first = tracer();
                     first.radiosity = Some(RadiosityState::new(r));
                     first.start_radiosity_pass(true);
-                    first.pretrace(r, &all, settings.width.max(settings.height), &|| !cancel.load(Ordering::Relaxed));
+                    first.pretrace(r, &all, longest, &go_on);
                     main.radiosity = first.radiosity;
                     main.start_radiosity_pass(false);
                 }
-                all.iter().for_each(|b| job.classic_block(*b, &mut main));
-            } else {
-                all.par_iter().with_max_len(1).for_each(|b| job.classic_block(*b, &mut tracer()));
+                return all.iter().for_each(|b| job.classic_block(*b, &mut main));
             }
+            let gathered = radiosity.map(|r| {
+                let mut state = RadiosityState::new(r);
+                let whole = blocks(settings.crop, settings.block_size);
+                pretrace_side_by_side(&mut state, (&whole, settings.block_size), longest, &tracer, &go_on);
+                state
+            });
+            all.par_iter().with_max_len(1).for_each(|b| job.classic_block(*b, &mut tracer().in_block(*b, 0, gathered.as_ref())));
         });
         Ok(())
     }
@@ -276,6 +285,36 @@ mod tests {
                 assert_eq!(cropped.samples[at], u32::from(inside));
                 assert_eq!(cropped.pixels[at], if inside { one.pixels[at] } else { [0.0; 4] });
             }
+        }
+    }
+
+    #[test]
+    fn pictures_with_noise_and_radiosity_do_not_depend_on_threads_either() {
+        let mut scene = lit_plane();
+        let mut ball = Object::new(Shape::Sphere { center: DVec3::new(0.0, 0.6, 0.0), radius: 0.6 });
+        ball.texture = scene.objects[0].texture.clone();
+        scene.objects.push(ball);
+        let jittered = AreaLight {
+            axis1: DVec3::X,
+            axis2: DVec3::Z,
+            n1: 3,
+            n2: 3,
+            adaptive: 0,
+            jitter: true,
+            circular: false,
+            orient: false,
+            area_illumination: false,
+        };
+        scene.lights.push(Light { area: Some(jittered), ..Light::point(DVec3::new(-1.0, 3.0, 1.0), Vec3::splat(0.3)) });
+        for radiosity in [None, Some(crate::scene::settings::Radiosity { pretrace: (0.2, 0.05), ..Default::default() })] {
+            scene.settings.radiosity = radiosity;
+            let apart = |threads| render(&scene, &RenderSettings { in_order: false, ..settings(threads) }).pixels;
+            let (one, ordered) = (apart(1), render(&scene, &settings(1)).pixels);
+            assert_eq!(one, apart(2));
+            assert_eq!(one, apart(3));
+            assert_ne!(one, ordered, "there is something random to see");
+            let mean = |p: &[[f32; 4]]| p.iter().map(|c| f64::from(c[0])).sum::<f64>() / p.len() as f64;
+            assert!((mean(&one) / mean(&ordered) - 1.0).abs() < 5e-3, "{} and {}", mean(&one), mean(&ordered));
         }
     }
 

@@ -38,7 +38,8 @@ POV-Ray 3.7's own options, unchanged. The ones used most:
   +Lfolder                 searched for includes, images and fonts
   +Kn                      clock
   +KFIn +KFFn +KIn +KFn +KC +SFn +EFn   animation: frames, clocks, cyclic, part
-  +WTn                     threads; the picture does not depend on it
+  +WTn                     threads; 1: noise and radiosity to the pixel as POV-Ray's +WT1
+  +HR                      the same on many: one core renders a picture that depends on the order of rays
   +C                       go on where an interrupted run ended
   +GDfile +GWfile ...      text streams to files in the output folder
   Declare=NAME=VALUE       a constant for the scene

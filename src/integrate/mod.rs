@@ -57,6 +57,9 @@ pub struct RenderSettings {
     pub integrator: IntegratorKind,
     /// Threads; the picture does not depend on it.
     pub threads: usize,
+    /// Where a picture depends on the order of rays, they run as POV-Ray's do with one thread, on one core. Otherwise blocks of the
+    /// picture have random streams of their own, and run side by side.
+    pub in_order: bool,
     /// Seed of random streams.
     pub seed: u32,
     /// Background is transparent.
@@ -86,6 +89,7 @@ impl RenderSettings {
             samples: 0..1,
             integrator: IntegratorKind::Classic,
             threads: 1,
+            in_order: true,
             seed: 0,
             output_alpha: false,
             block_size: 32,

@@ -104,6 +104,11 @@ pub struct UniformStream {
 }
 
 impl UniformStream {
+    /// A walk that starts anywhere in the table.
+    pub fn seeded(seeds: &mut SplitMix64) -> Self {
+        Self { index: seeds.below(UNIFORM_TABLE_LEN) as u32 }
+    }
+
     /// The next number, 0..1.
     #[inline]
     pub fn draw(&mut self) -> f64 {
@@ -125,6 +130,11 @@ pub struct GrainStream {
 }
 
 impl GrainStream {
+    /// A generator in any state.
+    pub fn seeded(seeds: &mut SplitMix64) -> Self {
+        Self { state: seeds.bits() as u32 }
+    }
+
     /// The next number, 0..=1.
     #[inline]
     pub fn draw(&mut self) -> f64 {

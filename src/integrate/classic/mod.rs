@@ -27,6 +27,7 @@ pub use emitters::{EmitterPoint, Piece};
 pub use pixel::{bent, single_ray};
 pub use plan::{ScenePlan, interiors_at};
 pub use principled::SHARP_MIRROR;
+pub use pretrace::pretrace_side_by_side;
 pub use radiosity::RadiosityState;
 pub use ray::InteriorList;
 pub use shafts::takes_shafts;

@@ -1,9 +1,11 @@
 //! Radiosity's passes before the picture: coarse mosaics of camera rays that fill the cache. Source: spec/light.md, section 8.
 
+use super::radiosity::RadiosityState;
 use super::trace::Tracer;
 use crate::integrate::antialias::Block;
 use crate::math::random::Mt19937;
 use crate::scene::settings::Radiosity;
+use rayon::prelude::*;
 
 /// Entries of the jitter table.
 const JITTER_LEN: usize = 2047;
@@ -15,30 +17,88 @@ struct PretraceBlock {
     finished: bool,
 }
 
-impl Tracer<'_> {
-    /// Runs all passes over `blocks` of a picture whose longer side has `longest` pixels. Stops when `go_on` says no.
-    pub fn pretrace(&mut self, settings: &Radiosity, blocks: &[Block], longest: u32, go_on: &dyn Fn() -> bool) {
+/// The passes: for each its distance between rays, in pixels.
+struct Passes {
+    steps: Vec<f64>,
+    blocks: Vec<PretraceBlock>,
+    jitter: Vec<f64>,
+}
+
+impl Passes {
+    /// Over `blocks` of a picture whose longer side has `longest` pixels.
+    fn new(settings: &Radiosity, blocks: &[Block], longest: u32) -> Self {
         let mut mt = Mt19937::new(5489);
-        let jitter: Vec<f64> = (0..JITTER_LEN).map(|_| 2.0 * (f64::from(mt.next_u32()) / 4_294_967_296.0) - 1.0).collect();
+        let jitter = (0..JITTER_LEN).map(|_| 2.0 * (f64::from(mt.next_u32()) / 4_294_967_296.0) - 1.0).collect();
         let (start, end) = (f64::from(longest) * settings.pretrace.0, (f64::from(longest) * settings.pretrace.1).max(1.0));
         let n_passes = ((start / end).log2() + 1.0 - 1e-10).floor().max(0.0) as u32 + 1;
-        let mut list: Vec<PretraceBlock> =
-            blocks.iter().enumerate().map(|(serial, block)| PretraceBlock { block: *block, serial, finished: false }).collect();
-        for pass in 0..n_passes.min(32) {
-            let step = (start / 2f64.powi(pass as i32)).max(end);
-            for b in list.iter_mut().filter(|b| !b.finished) {
+        let blocks = blocks.iter().enumerate().map(|(serial, block)| PretraceBlock { block: *block, serial, finished: false }).collect();
+        Self { steps: (0..n_passes.min(32)).map(|pass| (start / 2f64.powi(pass as i32)).max(end)).collect(), blocks, jitter }
+    }
+}
+
+/// Runs all passes over `blocks` side by side. A block finds the samples of the batches before its own, whatever the number of threads.
+///
+/// Deep bounces are gathered all over the scene, and every block of a batch gathers those that it misses for itself: batches begin
+/// with one block and grow with what is there to be found. Blocks that touch come in different quarters of a pass.
+/// `tracer` makes tracers; `block_size` is a whole block's side.
+pub fn pretrace_side_by_side<'a>(
+    state: &mut RadiosityState,
+    (blocks, block_size): (&[Block], u32),
+    longest: u32,
+    tracer: &(dyn Fn() -> Tracer<'a> + Sync),
+    go_on: &(dyn Fn() -> bool + Sync),
+) {
+    state.start_pass(true);
+    let settings = state.settings().clone();
+    let Passes { steps, mut blocks, jitter } = Passes::new(&settings, blocks, longest);
+    blocks.sort_by_key(|b| [b.block[0], b.block[1]].map(|v| v / block_size.max(4) % 2));
+    let (quarter, mut n_done) = (blocks.len().div_ceil(4), 0);
+    for (pass, step) in steps.into_iter().enumerate() {
+        let mut unfinished: Vec<_> = blocks.iter_mut().filter(|b| !b.finished).collect();
+        let mut rest = &mut unfinished[..];
+        while !rest.is_empty() && go_on() {
+            let n = (n_done / 2).clamp(1, quarter).min(rest.len());
+            let (batch, later) = rest.split_at_mut(n);
+            let states: Vec<_> = batch
+                .par_iter_mut()
+                .with_max_len(1)
+                .map(|b| {
+                    let mut own = tracer().in_block(b.block, pass as u32 + 1, Some(state));
+                    b.finished = own.pretrace_block(&settings, b, step, pass + 1, &jitter);
+                    own.radiosity
+                })
+                .collect();
+            states.into_iter().flatten().for_each(|s| state.absorb(s));
+            (rest, n_done) = (later, n_done + n);
+        }
+    }
+    state.start_pass(false);
+}
+
+impl Tracer<'_> {
+    /// Runs all passes over `blocks`, one block after another. Stops when `go_on` says no.
+    pub fn pretrace(&mut self, settings: &Radiosity, blocks: &[Block], longest: u32, go_on: &dyn Fn() -> bool) {
+        let Passes { steps, mut blocks, jitter } = Passes::new(settings, blocks, longest);
+        for (pass, step) in steps.into_iter().enumerate() {
+            for b in blocks.iter_mut().filter(|b| !b.finished) {
                 if !go_on() {
                     return;
                 }
-                let n = self.pretrace_block(b, step, pass as usize + 1, &jitter);
-                let (lookups, weights) = self.take_lookups();
-                let enough = f64::from(settings.nearest_count.1);
-                b.finished = n >= 9 && lookups == 0 || enough > 0.0 && lookups > 0 && weights / f64::from(lookups) >= enough;
+                b.finished = self.pretrace_block(settings, b, step, pass + 1, &jitter);
             }
         }
     }
 
-    fn pretrace_block(&mut self, b: &PretraceBlock, step: f64, pass: usize, jitter: &[f64]) -> u32 {
+    /// One pass over a block; gives whether it needs no more.
+    fn pretrace_block(&mut self, settings: &Radiosity, b: &PretraceBlock, step: f64, pass: usize, jitter: &[f64]) -> bool {
+        let n = self.pretrace_rays(b, step, pass, jitter);
+        let (lookups, weights) = self.take_lookups();
+        let enough = f64::from(settings.nearest_count.1);
+        n >= 9 && lookups == 0 || enough > 0.0 && lookups > 0 && weights / f64::from(lookups) >= enough
+    }
+
+    /// Gives the number of rays.
+    fn pretrace_rays(&mut self, b: &PretraceBlock, step: f64, pass: usize, jitter: &[f64]) -> u32 {
         let mut at = (17 * pass + 13 * b.serial) % JITTER_LEN;
         let mut draw = || {
             at = (at + 1) % JITTER_LEN;

@@ -6,9 +6,10 @@ use super::ray::TraceRay;
 use super::shade::HitContext;
 use super::trace::Tracer;
 use crate::math::color::grey;
-use crate::math::random::{GrainStream, UniformStream, halton};
+use crate::math::random::{GrainStream, SplitMix64, UniformStream, halton};
 use crate::math::{DVec3, Ray, Rgb, Vec3};
 use crate::scene::settings::Radiosity;
+use std::sync::Arc;
 
 /// Most diffuse bounces. Source: spec/light.md, section 8.
 const MAX_BOUNCES: usize = 20;
@@ -16,6 +17,8 @@ const MAX_BOUNCES: usize = 20;
 /// What radiosity remembers from ray to ray.
 pub struct RadiosityState {
     settings: Radiosity,
+    /// What was gathered before a block that has a state of its own.
+    before: Arc<RadiosityCache>,
     cache: RadiosityCache,
     /// The pretrace is running.
     pretrace: bool,
@@ -25,7 +28,7 @@ pub struct RadiosityState {
     positions: [u32; MAX_BOUNCES + 1],
     /// Least quality that the current gather ray met.
     quality: f32,
-    directions: Vec<DVec3>,
+    directions: Arc<[DVec3]>,
     /// Streams of the gather rays' tracer.
     streams: (UniformStream, UniformStream, GrainStream),
     /// Lookups of camera rays since the last [`Tracer::take_lookups`], and the sum of 4S.
@@ -38,6 +41,7 @@ impl RadiosityState {
         let pool = settings.pool.max(settings.count.max(1.0) as u32).clamp(1, 1 << 20);
         Self {
             settings: settings.clone(),
+            before: Arc::default(),
             cache: RadiosityCache::default(),
             pretrace: false,
             bounces: 0,
@@ -56,9 +60,34 @@ impl RadiosityState {
         self.streams = Default::default();
     }
 
-    /// Number of samples gathered so far.
-    pub fn n_samples(&self) -> usize {
-        self.cache.len()
+    /// What the scene asks for.
+    pub fn settings(&self) -> &Radiosity {
+        &self.settings
+    }
+
+    /// A state for one block of a pass: it finds the samples of the passes before and its own.
+    pub fn in_block(&self, seeds: &mut SplitMix64) -> Self {
+        Self {
+            settings: self.settings.clone(),
+            before: Arc::clone(&self.before),
+            cache: RadiosityCache::default(),
+            pretrace: self.pretrace,
+            bounces: 0,
+            positions: std::array::from_fn(|_| seeds.below(self.directions.len()) as u32),
+            quality: 1.0,
+            directions: Arc::clone(&self.directions),
+            streams: (UniformStream::seeded(seeds), UniformStream::seeded(seeds), GrainStream::seeded(seeds)),
+            lookups: (0, 0.0),
+        }
+    }
+
+    /// Keeps what a block gathered for the blocks that are begun from now on.
+    pub fn absorb(&mut self, block: RadiosityState) {
+        // A state that others still read from is copied; between groups of blocks nobody does.
+        let before = Arc::make_mut(&mut self.before);
+        for sample in block.cache.into_samples() {
+            before.insert(sample, filing_radius(&self.settings, &sample));
+        }
     }
 
     fn needed(&self, bounce: u32) -> f64 {
@@ -69,6 +98,11 @@ impl RadiosityState {
             _ => 1,
         })
     }
+}
+
+/// How far from its point a sample may be found.
+fn filing_radius(settings: &Radiosity, sample: &RadiositySample) -> f64 {
+    sample.reach * settings.error_bound * 2f64.powi(sample.bounce as i32) / if sample.bounce == 0 { 1.0 } else { 8.0 }
 }
 
 /// Element `i` of the cosine-weighted directions about y.
@@ -120,7 +154,8 @@ impl Tracer<'_> {
         let low = if s.pretrace { s.settings.low_error_factor } else { 1.0 };
         let error = (s.settings.error_bound * low + (0.25 - weight).max(0.0)) * scale;
         let query = Query { point, normal, bounce: k, error, smooth: !s.pretrace && k == 0 };
-        let (mut sum, mut value) = s.cache.lookup(&query);
+        let ((before, there), (own, here)) = (s.before.lookup(&query), s.cache.lookup(&query));
+        let (mut sum, mut value) = (before + own, there + here);
         if k == 0 {
             s.lookups.0 += 1;
             s.lookups.1 += 4.0 * sum;
@@ -213,8 +248,7 @@ impl Tracer<'_> {
         let reach = (f64::from(n_rays) / inverse_distances).clamp((z * s.settings.minimum_reuse * scale).min(longest), longest);
         if nearest > 1e-4 * longest {
             let sample = RadiositySample { point, normal, value, reach, nearest, to_nearest, quality, bounce: k };
-            let radius = reach * s.settings.error_bound * scale / if k == 0 { 1.0 } else { 8.0 };
-            s.cache.insert(sample, radius);
+            s.cache.insert(sample, filing_radius(&s.settings, &sample));
         }
         (value, quality)
     }

@@ -78,7 +78,7 @@ struct Filed {
 }
 
 /// All samples of a picture.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct RadiosityCache {
     samples: Vec<RadiositySample>,
     /// By place in a raster shifted by half a cell: the samples of the two cells along each axis that may hold some within reach.
@@ -136,9 +136,9 @@ impl RadiosityCache {
         (sum, value)
     }
 
-    /// Number of samples.
-    pub fn len(&self) -> usize {
-        self.samples.len()
+    /// All samples, in the order in which they came.
+    pub fn into_samples(self) -> Vec<RadiositySample> {
+        self.samples
     }
 }
 

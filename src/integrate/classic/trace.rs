@@ -7,10 +7,11 @@ use super::ray::{Seen, TraceRay};
 use crate::accel::{Candidates, Packet};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
+use crate::integrate::antialias::Block;
 use crate::kernel::atmosphere::BACKGROUND_DEPTH;
 use crate::kernel::traverse::{MIN_DEPTH, intersect};
 use crate::math::Rgb;
-use crate::math::random::{GrainStream, UniformStream};
+use crate::math::random::{GrainStream, SplitMix64, UniformStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Rays inside rays: bounds the stack whatever the scene (transmitted rays of equal index count no level).
@@ -76,6 +77,18 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn until(self, cancel: &'a AtomicBool) -> Self {
         Self { cancel: Some(cancel), ..self }
+    }
+
+    /// The tracer with random streams, and radiosity's, that are the block's own in this pass: what it draws depends neither on the
+    /// blocks before nor on the thread.
+    #[must_use]
+    pub fn in_block(mut self, [x0, y0, ..]: Block, pass: u32, radiosity: Option<&RadiosityState>) -> Self {
+        let mut seeds = SplitMix64(u64::from(pass) << 48 ^ u64::from(y0) << 24 ^ u64::from(x0));
+        self.random = UniformStream::seeded(&mut seeds);
+        self.media_random = UniformStream::seeded(&mut seeds);
+        self.grain = GrainStream::seeded(&mut seeds);
+        self.radiosity = radiosity.map(|r| r.in_block(&mut seeds));
+        self
     }
 
     /// Whether nothing of the picture is wanted any more.

@@ -150,6 +150,8 @@ pub struct PovOptions {
     pub append_file: bool,
     /// 0: all cores.
     pub threads: usize,
+    /// Pictures that depend on the order of rays are made in that of one thread.
+    pub high_reproducibility: bool,
     pub block_size: u32,
     pub declares: Vec<(String, Declared)>,
     pub create_ini: Option<String>,
@@ -218,6 +220,7 @@ impl Default for PovOptions {
             streams: Default::default(),
             append_file: false,
             threads: 0,
+            high_reproducibility: false,
             block_size: 32,
             declares: Vec::new(),
             create_ini: None,

@@ -69,6 +69,7 @@ impl PovOptions {
             "frame_step" => self.frame_step = signed(value)?.max(1),
             "verbose" => self.verbose = boolean(value),
             "append_file" => self.append_file = boolean(value),
+            "high_reproducibility" => self.high_reproducibility = boolean(value),
             "work_threads" => self.threads = int(value)?.clamp(1, 512) as usize,
             "render_block_size" => self.block_size = int(value)?.max(4),
             "create_ini" => self.create_ini = Some(value.to_owned()),

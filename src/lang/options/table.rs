@@ -122,7 +122,7 @@ pub const OPTIONS: &[OptionSpec] = &[
     spec("render_block_size", "BS", Value),
     idle("render_block_step", "RS", Value, "the order of blocks changes no pixel"),
     idle("render_pattern", "RP", Value, "the order of blocks changes no pixel"),
-    idle("high_reproducibility", "HR", Flag, "pictures never depend on the number of threads"),
+    spec("high_reproducibility", "HR", Flag),
     idle("radiosity_file_name", "RF", Value, "radiosity is worked out anew for every picture"),
     idle("radiosity_from_file", "RFI", Flag, "radiosity is worked out anew for every picture"),
     idle("radiosity_to_file", "RFO", Flag, "radiosity is worked out anew for every picture"),

@@ -49,7 +49,8 @@ fn an_animation_without_end_is_refused() {
 
 #[test]
 fn switches_take_glued_values_in_any_case_and_with_either_sign() {
-    let o = options(&["+Iscene.pov", "-w320", "+H240", "+Q7", "+wt3", "+FN16", "-UA", "+r5", "+AM2", "+BS8"]);
+    let o = options(&["+Iscene.pov", "-w320", "+H240", "+Q7", "+wt3", "+FN16", "-UA", "+r5", "+AM2", "+BS8", "+HR"]);
+    assert!(o.high_reproducibility && !options(&["High_Reproducibility=off"]).high_reproducibility);
     assert_eq!((o.width, o.height, o.quality, o.threads, o.bits_per_color), (320, 240, 7, 3, 16));
     assert_eq!(
         (o.input.as_deref(), o.output_alpha, o.antialias_depth, o.sampling_method, o.block_size),
