@@ -289,7 +289,9 @@ fn every_saving_keeps_the_picture_or_says_that_it_does_not() {
     for name in ["bailout", "antialias"] {
         assert!(line(name).contains("values differ by nature"), "{}", line(name));
     }
-    assert!(line("textures").contains("not measured"));
+    for name in ["textures", "shaders", "attributes"] {
+        assert!(line(name).contains("not measured"), "{}", line(name));
+    }
     assert_eq!(std::fs::read_to_string(f.path("t.csv")).expect("a table").lines().count(), 12);
     let info = f.run(&["info", "t.pov"]);
     assert!(String::from_utf8_lossy(&info.stdout).contains("rayloom bench skip"));

@@ -102,7 +102,10 @@ pub fn run(job: &Job, only: &[Saving], rounds: usize, listener: &dyn Listener, t
     let most_seconds = 5.0 + MOST_TIMES * start.elapsed().as_secs_f64();
     let mut rows = Vec::new();
     for info in SAVINGS.iter().filter(|s| only.is_empty() || only.contains(&s.saving)) {
-        let why = why_not(info.saving, &scene, &unread, job.source.format, &job.render);
+        let is_gpus = matches!(info.saving, Saving::Shaders | Saving::Attributes);
+        let why = (is_gpus && job.backend == BackendChoice::Cpu)
+            .then(|| "it is the GPU's, and the CPU was asked for".to_owned())
+            .or_else(|| why_not(info.saving, &scene, &unread, job.source.format, &job.render));
         let row = match why {
             Some(_) => Row { why_not: why, ..empty(info.saving) },
             None => match measured(job, info.saving, rounds, &first, most_seconds) {

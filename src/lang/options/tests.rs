@@ -159,7 +159,7 @@ fn pictures_are_named_as_povray_names_them() {
 
 #[test]
 fn options_that_change_nothing_are_told_once() {
-    let o = options(&["+MB3", "+MB5", "+HR", "-D", "-P"]);
+    let o = options(&["+MB3", "+MB5", "+RS3", "-D", "-P"]);
     let keys: Vec<&str> = o.ignored.iter().map(|(k, _)| k.as_str()).collect();
-    assert_eq!(keys, ["bounding_threshold", "high_reproducibility"], "there is no window to speak of");
+    assert_eq!(keys, ["bounding_threshold", "render_block_step"], "there is no window to speak of");
 }
