@@ -11,7 +11,7 @@ use super::{Backend, BackendError, Progress};
 use crate::compile::CompiledScene;
 use crate::film::Film;
 use crate::integrate::antialias::{Block, Sample, blocks};
-use crate::integrate::classic::{RadiosityState, ScenePlan, Tracer, pretrace_side_by_side};
+use crate::integrate::classic::{ScenePlan, Tracer, pretrace_in_order, pretrace_side_by_side};
 use crate::integrate::samples::sample_position;
 use crate::integrate::{IntegratorKind, RenderSettings};
 use rayon::prelude::*;
@@ -69,21 +69,12 @@ impl Backend for CpuBackend {
         pool.install(|| {
             if ordered {
                 let mut main = tracer();
-                if let Some(r) = radiosity {
-                    let mut first = tracer();
-                    first.radiosity = Some(RadiosityState::new(r));
-                    first.start_radiosity_pass(true);
-                    first.pretrace(r, &all, longest, &go_on);
-                    main.radiosity = first.radiosity;
-                    main.start_radiosity_pass(false);
-                }
+                main.radiosity = radiosity.and_then(|r| pretrace_in_order(r, &all, longest, tracer(), &go_on));
                 return all.iter().for_each(|b| job.classic_block(*b, &mut main));
             }
             let gathered = radiosity.map(|r| {
-                let mut state = RadiosityState::new(r);
                 let whole = blocks(settings.crop, settings.block_size);
-                pretrace_side_by_side(&mut state, (&whole, settings.block_size), longest, &tracer, &go_on);
-                state
+                pretrace_side_by_side(r, (&whole, settings.block_size), longest, &tracer, &go_on)
             });
             all.par_iter().with_max_len(1).for_each(|b| job.classic_block(*b, &mut tracer().in_block(*b, 0, gathered.as_ref())));
         });

@@ -56,14 +56,19 @@ impl Row {
     }
 }
 
+/// Whether a saving is one of the GPU's shaders and buffers.
+fn is_of_gpu(saving: Saving) -> bool {
+    matches!(saving, Saving::Shaders | Saving::Attributes)
+}
+
 /// Why a saving can do nothing for a scene as it is rendered; `None` where it can.
 pub fn why_not(saving: Saving, scene: &CompiledScene, unread: &Unread, format: SceneFormat, render: &RenderSettings) -> Option<String> {
     let g = &scene.geometry;
     let is_path = render.integrator == IntegratorKind::Path;
     let pov = format == SceneFormat::Pov;
     let reason: Option<&str> = match saving {
-        Saving::Shaders | Saving::Attributes if device_names().is_empty() => Some("there is no GPU"),
-        Saving::Shaders | Saving::Attributes if is_path => Some("the path integrator's shaders hold what the scene uses, always"),
+        s if is_of_gpu(s) && device_names().is_empty() => Some("there is no GPU"),
+        s if is_of_gpu(s) && is_path => Some("the path integrator's shaders hold what the scene uses, always"),
         Saving::Attributes if g.shapes.meshes.iter().all(|m| m.mesh.uvs.is_empty()) => Some("no mesh has texture coordinates"),
         Saving::Attributes if scene.features.uv => Some("the texture coordinates are used"),
         Saving::Textures if pov => Some("the scene language reads a picture where it is named"),
@@ -102,8 +107,7 @@ pub fn run(job: &Job, only: &[Saving], rounds: usize, listener: &dyn Listener, t
     let most_seconds = 5.0 + MOST_TIMES * start.elapsed().as_secs_f64();
     let mut rows = Vec::new();
     for info in SAVINGS.iter().filter(|s| only.is_empty() || only.contains(&s.saving)) {
-        let is_gpus = matches!(info.saving, Saving::Shaders | Saving::Attributes);
-        let why = (is_gpus && job.backend == BackendChoice::Cpu)
+        let why = (is_of_gpu(info.saving) && job.backend == BackendChoice::Cpu)
             .then(|| "it is the GPU's, and the CPU was asked for".to_owned())
             .or_else(|| why_not(info.saving, &scene, &unread, job.source.format, &job.render));
         let row = match why {
@@ -163,7 +167,7 @@ fn render(job: &Job, savings: Savings, most_seconds: f64) -> Result<Outcome, Job
 /// One saving, off and on in turn.
 fn measured(job: &Job, saving: Saving, rounds: usize, first: &Outcome, most_seconds: f64) -> Result<Row, JobError> {
     let mut job = job.clone();
-    if matches!(saving, Saving::Shaders | Saving::Attributes) {
+    if is_of_gpu(saving) {
         job.backend = BackendChoice::Gpu;
     }
     let mut seconds: [Vec<[f64; 3]>; 2] = Default::default();
@@ -190,8 +194,7 @@ fn measured(job: &Job, saving: Saving, rounds: usize, first: &Outcome, most_seco
             films[k].get_or_insert(outcome.film);
         }
     }
-    let why_not = (matches!(saving, Saving::Shaders | Saving::Attributes) && device == first.device)
-        .then(|| "the GPU does not render this scene".to_owned());
+    let why_not = (is_of_gpu(saving) && device == first.device).then(|| "the GPU does not render this scene".to_owned());
     let sum = |s: &[f64; 3]| s.iter().sum::<f64>();
     let mut ratios: Vec<f64> = seconds[0].iter().zip(&seconds[1]).map(|(off, on)| sum(off) / sum(on).max(1e-9)).collect();
     ratios.sort_by(f64::total_cmp);

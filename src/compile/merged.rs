@@ -9,7 +9,7 @@ use super::geometry::{Geometry, PrimKind, prim_flags};
 use super::shape::triangle_pack::TrianglePack;
 use crate::accel::{Accel, AccelKind, AccelOptions, Bvh8, NO_PRIM, PACK, PrimSet, TrianglePrims};
 use crate::math::simd::is_wide;
-use crate::math::{Bounds, DVec3, Vec3};
+use crate::math::{Bounds, Vec3};
 
 /// Copies of shared meshes may have so many faces, or this share of all.
 const COPIED_FACES: usize = 1 << 16;
@@ -146,9 +146,4 @@ fn chosen(g: &Geometry) -> Vec<u32> {
         is_taken[s] = true;
     }
     able.into_iter().filter(|p| is_taken[g.prims[*p as usize].shape_ix as usize]).collect()
-}
-
-/// A corner rounded as the tree's are, in double precision.
-pub fn rounded(corner: DVec3) -> DVec3 {
-    corner.as_vec3().as_dvec3()
 }

@@ -156,12 +156,12 @@ fn cut(p: SampleInterval, n: usize, out: &mut Vec<SampleInterval>) {
     out.extend((0..n).map(|k| SampleInterval { lit: p.lit, start: p.start + k as f64 * length, length }));
 }
 
-/// Most samples an interval that thresholds are kept for.
-const MAX_SAMPLES: u32 = 1 << 16;
+/// Most samples that one interval may take, whatever the scene asks for.
+pub const MAX_INTERVAL_SAMPLES: u32 = 1 << 16;
 
 /// By number of samples less 1: the variance from which another sample is taken (methods 1 and 2).
 pub fn stop_thresholds(m: &Media) -> Vec<f64> {
-    let max = m.samples.1.min(MAX_SAMPLES);
+    let max = m.samples.1.min(MAX_INTERVAL_SAMPLES);
     if m.method == 3 || max <= m.samples.0 {
         return Vec::new();
     }

@@ -217,7 +217,7 @@ impl SceneBuffers {
             ("area_illumination", areas().any(|a| a.area_illumination)),
             ("crand", f.crand),
             ("projected_through", scene.lights.iter().any(|l| l.projected_through != NONE)),
-            ("random", needs_random(scene)),
+            ("random", ScenePlan::needs_ordered_rays(scene)),
             ("normals", f.normals),
             ("fog", !scene.fogs.is_empty()),
             ("rainbow", f.rainbow),
@@ -571,14 +571,6 @@ fn finish(f: &crate::scene::Finish) -> Finish {
         crand: f.crand,
         ..Finish::default()
     }
-}
-
-/// Whether the shaders draw random numbers, where the CPU draws POV-Ray's own.
-pub(super) fn needs_random(scene: &CompiledScene) -> bool {
-    scene.features.crand
-        || scene.rainbows.iter().any(|b| b.jitter != 0.0)
-        || scene.media.iter().any(|m| m.params.jitter != 0.0)
-        || scene.lights.iter().any(|l| l.light.area.as_ref().is_some_and(|a| a.jitter))
 }
 
 /// Words of an area light, as `area.wesl` reads them.

@@ -1,14 +1,14 @@
 //! Media as words that `shaders/shared/media.wesl` reads, and what the shaders must know of them.
 
 use super::buffers::{append, bits};
-use super::layout::{Interior, SceneParams};
+use super::layout::{Interior, MAX_INTERIORS, SceneParams};
 use super::shader::ShaderOptions;
 use super::support::scatters;
 use super::texture_buffers::TextureWords;
 use crate::backend::BackendError;
 use crate::compile::{CompiledScene, Media};
 use crate::integrate::classic::ScenePlan;
-use crate::kernel::media::extinction;
+use crate::kernel::media::{MAX_INTERVAL_SAMPLES, extinction};
 use crate::math::Vec3;
 
 /// Words of a medium: name and length. The places of its densities follow.
@@ -27,17 +27,14 @@ const MEDIUM: &[(&str, u32)] = &[
     ("TRANSFORM", 1),
     ("N_DENSITIES", 1),
 ];
-/// Most samples an interval, as on the CPU.
-const MAX_SAMPLES: u32 = 1 << 16;
-/// Interiors around a ray.
-const MAX_INTERIORS: usize = super::layout::MAX_INTERIORS;
 /// Most places for samples of one ray, times lamps.
 const MAX_POINTS: u64 = 1 << 22;
 
 fn encode_medium(m: &Media, textures: &TextureWords, words: &mut Vec<u32>) -> u32 {
     let p = &m.params;
     let n = |v: f64| (v as f32).to_bits();
-    let mut w = vec![p.intervals.max(1), p.samples.0.clamp(1, MAX_SAMPLES), p.aa_level, n(p.aa_threshold), n(p.jitter), n(p.ratio)];
+    let mut w =
+        vec![p.intervals.max(1), p.samples.0.clamp(1, MAX_INTERVAL_SAMPLES), p.aa_level, n(p.aa_threshold), n(p.jitter), n(p.ratio)];
     for color in [extinction(p), p.emission, p.scattering] {
         w.extend(bits(color.to_array()));
     }
@@ -91,7 +88,7 @@ pub(super) fn media_options(scene: &CompiledScene, o: &mut ShaderOptions) -> Res
     features.iter().for_each(|(name, holds)| o.feature_if(name, *holds));
     let n_lights = scene.lights.len() as u64;
     let intervals = u64::from(most(|m| m.params.intervals)).max(2 * n_lights + 1);
-    let places = u64::from(most(|m| m.params.samples.0.clamp(1, MAX_SAMPLES)) / 2 + 1).max(2) * (1u64 << levels.min(32)) + 1;
+    let places = u64::from(most(|m| m.params.samples.0.clamp(1, MAX_INTERVAL_SAMPLES)) / 2 + 1).max(2) * (1u64 << levels.min(32)) + 1;
     let points = if is_lit { 2 * intervals * places * n_lights } else { 0 };
     if points > MAX_POINTS {
         return Err(BackendError::Unsupported("media of millions of samples a ray".into()));

@@ -96,7 +96,7 @@ impl Backend for GpuBackend {
     }
 
     fn differs(&self, scene: &CompiledScene, settings: &RenderSettings) -> Option<&'static str> {
-        let is_random = settings.integrator == IntegratorKind::Classic && buffers::needs_random(scene);
+        let is_random = settings.integrator == IntegratorKind::Classic && ScenePlan::needs_ordered_rays(scene);
         is_random.then_some(
             "the GPU draws other random numbers than POV-Ray for crand and the jitter of area lights, media and rainbows: the same grain, not dot for dot",
         )

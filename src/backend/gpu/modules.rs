@@ -90,6 +90,7 @@ pub const MODULES: &[(&str, &str)] = modules![
     "shared/leaf_mesh",
     "shared/leaf_scene",
     "shared/light",
+    "shared/light_points",
     "shared/map",
     "shared/map_colors",
     "shared/material",
@@ -132,3 +133,26 @@ pub const MODULES: &[(&str, &str)] = modules![
     "trace_closest",
     "trace_shadow",
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::MODULES;
+    use std::collections::HashMap;
+
+    /// Shaders are put together without changing names: two modules of `shared` that have one in common do not compile in a scene that
+    /// needs both.
+    #[test]
+    fn a_name_stands_in_one_shared_module() {
+        let mut seen: HashMap<&str, &str> = HashMap::new();
+        for (module, text) in MODULES.iter().filter(|(module, _)| module.starts_with("shared/")) {
+            for line in text.lines() {
+                let line = line.strip_prefix("@if(").and_then(|l| l.split_once(')')).map_or(line, |(_, rest)| rest.trim_start());
+                let Some(rest) = ["const ", "fn ", "struct "].iter().find_map(|k| line.strip_prefix(k)) else { continue };
+                let name = rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or(rest);
+                let first = *seen.entry(name).or_insert(module);
+                assert_eq!(first, *module, "{name}");
+            }
+        }
+        assert!(seen.len() > 300, "{} names were found", seen.len());
+    }
+}

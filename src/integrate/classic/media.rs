@@ -9,14 +9,11 @@ use super::trace::Tracer;
 use crate::compile::CompiledLight;
 use crate::compile::geometry::prim_flags;
 use crate::kernel::light::{attenuation, light_ray};
-use crate::kernel::media::{SampleInterval, add_missing_end, beam_piece, extinction, phase_value, sample_intervals};
+use crate::kernel::media::{MAX_INTERVAL_SAMPLES, SampleInterval, add_missing_end, beam_piece, extinction, phase_value, sample_intervals};
 use crate::kernel::{PatternPoint, SurfaceHit};
 use crate::math::color::grey;
 use crate::math::{DVec2, DVec3, Ray, Rgb, Vec3};
 use crate::scene::Light;
-
-/// Most samples that one interval may take, whatever the scene asks for.
-const MAX_INTERVAL_SAMPLES: u32 = 1 << 16;
 
 /// Media of one call, into `CompiledScene::media`.
 type MediaList = InlineVec<u32, 8>;

@@ -40,17 +40,17 @@ impl Passes {
 ///
 /// Deep bounces are gathered all over the scene, and every block of a batch gathers those that it misses for itself: batches begin
 /// with one block and grow with what is there to be found. Blocks that touch come in different quarters of a pass.
-/// `tracer` makes tracers; `block_size` is a whole block's side.
+/// `tracer` makes tracers; `block_size` is a whole block's side. Stops when `go_on` says no.
 pub fn pretrace_side_by_side<'a>(
-    state: &mut RadiosityState,
+    settings: &Radiosity,
     (blocks, block_size): (&[Block], u32),
     longest: u32,
     tracer: &(dyn Fn() -> Tracer<'a> + Sync),
     go_on: &(dyn Fn() -> bool + Sync),
-) {
+) -> RadiosityState {
+    let mut state = RadiosityState::new(settings);
     state.start_pass(true);
-    let settings = state.settings().clone();
-    let Passes { steps, mut blocks, jitter } = Passes::new(&settings, blocks, longest);
+    let Passes { steps, mut blocks, jitter } = Passes::new(settings, blocks, longest);
     blocks.sort_by_key(|b| [b.block[0], b.block[1]].map(|v| v / block_size.max(4) % 2));
     let (quarter, mut n_done) = (blocks.len().div_ceil(4), 0);
     for (pass, step) in steps.into_iter().enumerate() {
@@ -63,8 +63,8 @@ pub fn pretrace_side_by_side<'a>(
                 .par_iter_mut()
                 .with_max_len(1)
                 .map(|b| {
-                    let mut own = tracer().in_block(b.block, pass as u32 + 1, Some(state));
-                    b.finished = own.pretrace_block(&settings, b, step, pass + 1, &jitter);
+                    let mut own = tracer().in_block(b.block, pass as u32 + 1, Some(&state));
+                    b.finished = own.pretrace_block(settings, b, step, pass + 1, &jitter);
                     own.radiosity
                 })
                 .collect();
@@ -73,22 +73,31 @@ pub fn pretrace_side_by_side<'a>(
         }
     }
     state.start_pass(false);
+    state
+}
+
+/// Runs all passes over `blocks` with one tracer, block after block. Stops when `go_on` says no.
+pub fn pretrace_in_order(
+    settings: &Radiosity,
+    blocks: &[Block],
+    longest: u32,
+    mut tracer: Tracer,
+    go_on: &dyn Fn() -> bool,
+) -> Option<RadiosityState> {
+    let state = tracer.radiosity.insert(RadiosityState::new(settings));
+    state.start_pass(true);
+    let Passes { steps, mut blocks, jitter } = Passes::new(settings, blocks, longest);
+    for (pass, step) in steps.into_iter().enumerate() {
+        for b in blocks.iter_mut().filter(|b| !b.finished && go_on()) {
+            b.finished = tracer.pretrace_block(settings, b, step, pass + 1, &jitter);
+        }
+    }
+    let mut state = tracer.radiosity?;
+    state.start_pass(false);
+    Some(state)
 }
 
 impl Tracer<'_> {
-    /// Runs all passes over `blocks`, one block after another. Stops when `go_on` says no.
-    pub fn pretrace(&mut self, settings: &Radiosity, blocks: &[Block], longest: u32, go_on: &dyn Fn() -> bool) {
-        let Passes { steps, mut blocks, jitter } = Passes::new(settings, blocks, longest);
-        for (pass, step) in steps.into_iter().enumerate() {
-            for b in blocks.iter_mut().filter(|b| !b.finished) {
-                if !go_on() {
-                    return;
-                }
-                b.finished = self.pretrace_block(settings, b, step, pass + 1, &jitter);
-            }
-        }
-    }
-
     /// One pass over a block; gives whether it needs no more.
     fn pretrace_block(&mut self, settings: &Radiosity, b: &PretraceBlock, step: f64, pass: usize, jitter: &[f64]) -> bool {
         let n = self.pretrace_rays(b, step, pass, jitter);

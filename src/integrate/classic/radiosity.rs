@@ -54,15 +54,10 @@ impl RadiosityState {
     }
 
     /// Starts the pretrace or the final pass: directions and streams begin anew, samples stay.
-    pub fn start_pass(&mut self, pretrace: bool) {
+    pub(super) fn start_pass(&mut self, pretrace: bool) {
         self.pretrace = pretrace;
         self.positions = [0; MAX_BOUNCES + 1];
         self.streams = Default::default();
-    }
-
-    /// What the scene asks for.
-    pub fn settings(&self) -> &Radiosity {
-        &self.settings
     }
 
     /// A state for one block of a pass: it finds the samples of the passes before and its own.
@@ -130,13 +125,6 @@ impl Tracer<'_> {
     /// Whether indirect light is gathered for the current ray.
     pub(super) fn radiosity_acts(&self) -> bool {
         self.radiosity.as_ref().is_some_and(|s| s.bounces < s.settings.recursion_limit.min(MAX_BOUNCES as u32))
-    }
-
-    /// Starts the pretrace or the final pass.
-    pub fn start_radiosity_pass(&mut self, pretrace: bool) {
-        if let Some(s) = self.radiosity.as_mut() {
-            s.start_pass(pretrace);
-        }
     }
 
     /// Camera-ray lookups since the last call: their number, and the sum of four times their weights.

@@ -4,7 +4,7 @@ use super::tree::TreeLight;
 use super::{LightSample, triangle};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{PrimKind, prim_flags};
-use crate::compile::merged::{MergedMeshes, rounded};
+use crate::compile::merged::{MergedMeshes, world_corner};
 use crate::compile::texture::TextureNode;
 use crate::integrate::path::closure::{emission, plain_emission};
 use crate::integrate::path::surface::Surface;
@@ -131,7 +131,10 @@ impl Emitters {
             let transform = g.transforms[prim.transform_ix as usize];
             let first = all.list.len() as u32;
             let is_merged = merged.is_some_and(|m| m.member(prim_ix as u32).is_some());
-            let in_world = |c: DVec3| if is_merged { rounded(transform.point(c)) } else { transform.point(c) };
+            let in_world = |c: DVec3| match is_merged {
+                true => world_corner(g, prim_ix as u32, c.as_vec3()).as_dvec3(),
+                false => transform.point(c),
+            };
             let mut by_face = HashMap::new();
             let is_solid = || {
                 is_closed(&mesh.faces, &mesh.vertices)
