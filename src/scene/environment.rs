@@ -18,6 +18,8 @@ pub struct Environment {
     pub visibility: Visibility,
     /// Sampled as a lamp; false: met by chance only.
     pub sampled: bool,
+    /// What the camera sees in its place.
+    pub for_camera: Option<Box<Environment>>,
     /// What fills the world.
     pub volume: Option<Volume>,
 }
@@ -31,6 +33,7 @@ impl Environment {
             rotation: DMat3::IDENTITY,
             visibility: Visibility::ALL,
             sampled: true,
+            for_camera: None,
             volume: None,
         }
     }

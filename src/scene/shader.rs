@@ -166,6 +166,37 @@ pub enum MixFactor {
     Facing(Scalar),
     /// 1 on the back of a face.
     Backfacing,
+    /// A number for each sort of ray that comes, in the order of [`RaySort`]: Blender's Light Path node.
+    ByRay([f32; RaySort::KEYS.len()]),
+}
+
+/// How the ray that meets a surface came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RaySort {
+    /// From the camera, also through transparent surfaces.
+    Camera,
+    /// Off a matt surface.
+    Diffuse,
+    /// Off a rough mirror.
+    Glossy,
+    /// Through a rough surface.
+    Transmission,
+    /// Off a sharp mirror.
+    SharpGlossy,
+    /// Through clear glass.
+    SharpTransmission,
+    /// Scattered in a volume.
+    Volume,
+    /// Towards a light.
+    Shadow,
+    /// From a light that was drawn: how bright it is.
+    Light,
+}
+
+impl RaySort {
+    /// Keys of the file's `lightPath` records.
+    pub const KEYS: [&str; 9] =
+        ["camera", "diffuse", "glossy", "transmission", "sharpGlossy", "sharpTransmission", "volumeScatter", "shadow", "light"];
 }
 
 /// Principled BSDF of Blender 4.5, socket by socket. Colours are linear; angles in turns where Blender has turns.

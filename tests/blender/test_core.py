@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "addons"))
 
-from rayloom_blender.core import bake, corners, decompose, denoiser, evaluate, exr, glb, lower, passes, pictures, process, viewport  # noqa: E402
+from rayloom_blender.core import atlas, bake, baked, corners, decompose, denoiser, evaluate, exr, glb, lower, passes, pictures, process, textures, values, viewport  # noqa: E402
 
 
 def read_glb(path):
@@ -131,6 +131,14 @@ class Pictures(unittest.TestCase):
         self.assertEqual(pictures.mime_of(data), "image/png")
 
 
+def pixels_of_png(data):
+    """Pixels of a 16-bit sRGB PNG of rows without filters, linear."""
+    width, height = struct.unpack(">II", data[16:24])
+    length = struct.unpack(">I", data[33:37])[0]
+    rows = np.frombuffer(zlib.decompress(data[41 : 41 + length]), np.uint8).reshape(height, 1 + 6 * width)[:, 1:]
+    return values.srgb_to_linear(np.ascontiguousarray(rows).view(">u2").reshape(height, width, 3) / 65535.0)
+
+
 class Around:
     """Something to bake over."""
 
@@ -147,15 +155,43 @@ class Around:
         return p
 
     def image(self, ix):
-        raise evaluate.Unknown("image")
+        raise values.Unknown("image")
 
-    def add_picture(self, pixels, is_color):
-        self.pictures.append(pixels)
+    def about(self, node, output):
+        raise values.Unknown(node["type"])
+
+    def shape(self, nodes):
+        return [np.arange(3)]
+
+    def add_file(self, data, mime, space):
+        self.pictures.append(pixels_of_png(data))
         return len(self.pictures) - 1
 
     def add_grid(self, values, resolution, body):
         self.grids.append(values.reshape(resolution[::-1]))
         return len(self.grids) - 1
+
+
+class Atlases(unittest.TestCase):
+    def test_no_triangle_writes_into_another_and_all_that_is_mixed_is_its_own(self):
+        for n in (1, 2, 9, 500, 5000, 60_000):
+            a = atlas.Atlas(n)
+            triangle, weights, rows, columns = a.samples()
+            place = rows * a.side + columns
+            self.assertEqual(len(np.unique(place)), len(place), n)
+            self.assertTrue((rows >= 0).all() and (rows < a.side).all() and (columns >= 0).all() and (columns < a.side).all())
+            owner = np.full((a.side, a.side), -1)
+            owner[rows, columns] = triangle
+            uv = a.corner_uv()
+            # Points of the triangles, and half a texel off where there is a border, are mixed of texels of their own.
+            rng = np.random.default_rng(1)
+            w = rng.dirichlet((1, 1, 1), (n, 4))
+            at = np.einsum("nkc,ncx->nkx", w, uv)
+            for dx, dy in ((0, 0), (0.5, 0), (-0.5, 0), (0, 0.5), (0, -0.5)) if a.border else ((0, 0),):
+                x, y = at[..., 0] * a.side - 0.5 + dx, (1.0 - at[..., 1]) * a.side - 0.5 + dy
+                for i in (np.floor(x + 1e-3), np.ceil(x - 1e-3)):
+                    for j in (np.floor(y + 1e-3), np.ceil(y - 1e-3)):
+                        self.assertTrue((owner[j.astype(int), i.astype(int)] == np.arange(n)[:, None]).all(), (n, dx, dy))
 
 
 class Shaders(unittest.TestCase):
@@ -188,8 +224,20 @@ class Shaders(unittest.TestCase):
         uv = np.column_stack([rng.random(200), 2 * rng.random(200), np.zeros(200)])
         direct = evaluate.Evaluator(nodes, lambda source, k: uv).value({"node": 0, "output": "color"})
         at = uv @ a[:, :3].T + a[:, 3]
-        baked = evaluate.sample(around.pictures[0], at[:, 0], at[:, 1], "extend", True)
-        np.testing.assert_array_equal(baked, direct)
+        baked = textures.sample(around.pictures[0], at[:, 0], at[:, 1], "extend", True)
+        np.testing.assert_allclose(baked, direct, atol=1e-6)
+
+    def test_a_bake_is_kept_until_something_changes(self):
+        baked.forget()
+        counted, encoded = [], bake.encoded
+        bake.encoded = lambda *a: (counted.append(1), encoded(*a))[1]
+        try:
+            for scale in (3.0, 3.0, 4.0):
+                node = {"type": "wave", "coordinates": {"source": "uv"}, "scale": scale, "kind": "bands", "direction": "x", "profile": "sin"}
+                self.lowered([node, {"type": "diffuse", "color": {"node": 0, "output": "color"}}])
+        finally:
+            bake.encoded = encoded
+        self.assertEqual(len(counted), 2)
 
     def test_densities_become_grids(self):
         nodes = [

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from ..core import pictures
+from ..core.values import srgb_to_linear
 
 _SPACES = {"sRGB": "srgb", "Non-Color": "nonColor", "Linear Rec.709": "linear", "Linear": "linear", "Raw": "nonColor"}
 
@@ -63,6 +64,15 @@ def pixels_of(image):
     out = np.ones((height, width, 4), np.float32)
     out[..., :3] = own[..., :3] if image.channels == 3 else own[..., :1]
     return out
+
+
+def linear_pixels(images, ix):
+    """Linear pixels of a picture of the file, for baking; `None` where it has none."""
+    source = images.sources.get(ix)
+    pixels = pixels_of(source) if source is not None else None
+    if pixels is None or source.is_float or images.records[ix]["colorSpace"] != "srgb":
+        return pixels
+    return np.concatenate([srgb_to_linear(pixels[..., :3]), pixels[..., 3:]], axis=-1)
 
 
 def pick_image(images, image, user, log):

@@ -98,22 +98,31 @@ def _unshared(layout, corner_uv):
         "source_corner": layout["source_corner"][flat],
         "indices": np.arange(len(flat), dtype=np.uint32).reshape(-1, 3),
         "normals": None if layout["normals"] is None else layout["normals"][flat],
+        **({"offsets": layout["offsets"][flat]} if "offsets" in layout else {}),
         "uvs": [*gather(layout["uvs"]), ("baked", corner_uv.reshape(-1, 2))],
         "colors": gather(layout["colors"]),
     }
 
 
-def write_mesh(gltf, mesh, materials, name, corner_uv=None):
+def write_mesh(gltf, mesh, materials, name, corner_uv=None, displace=None):
     """Adds a mesh; `(index, layout)`, or `None` when it has no triangles.
 
-    `materials`: glTF's index, or `None`, for each material slot. `corner_uv`: one more set of coordinates for what was baked.
+    `materials`: glTF's index, or `None`, for each material slot. `corner_uv`: one more set of coordinates for what was baked. `displace(layout)`
+    gives other positions, the layout with their normals, and the offsets.
     """
     layout = layout_of(mesh)
     if layout is None:
         return None
+    layout["slot"] = _slots(mesh, layout, len(materials))
+    if displace is not None:
+        positions, layout, offsets = displace(layout)
+        layout["offsets"] = offsets
     if corner_uv is not None:
+        flat = layout["indices"].ravel()
+        positions = positions[flat] if displace is not None else None
         layout = _unshared(layout, corner_uv)
-    positions = positions_of(mesh)[layout["source_vertex"]]
+    if displace is None:
+        positions = positions_of(mesh)[layout["source_vertex"]]
     if not np.isfinite(positions).all():
         raise ValueError(f"the mesh '{name}' has vertices that are not finite")
     attributes = {"POSITION": gltf.accessor(positions, ARRAY_BUFFER, bounds=True)}
@@ -125,7 +134,7 @@ def write_mesh(gltf, mesh, materials, name, corner_uv=None):
     for k, (_, color) in enumerate(layout["colors"]):
         attributes[f"COLOR_{k}"] = gltf.accessor(color, ARRAY_BUFFER)
     primitives = []
-    for slot, indices in _by_slot(mesh, layout, len(materials)):
+    for slot, indices in _by_slot(layout):
         primitive = {"attributes": attributes, "indices": gltf.accessor(indices.reshape(-1), ELEMENT_ARRAY_BUFFER)}
         if slot < len(materials) and materials[slot] is not None:
             primitive["material"] = materials[slot]
@@ -139,23 +148,29 @@ def write_mesh(gltf, mesh, materials, name, corner_uv=None):
     return gltf.append("meshes", record), layout
 
 
-def _by_slot(mesh, layout, n_slots):
-    """Triangles of each material slot that has any."""
-    indices = layout["indices"]
+def _slots(mesh, layout, n_slots):
+    """Material slot of each triangle."""
     attribute = mesh.attributes.get("material_index")
     if n_slots <= 1 or attribute is None or attribute.domain != "FACE":
-        return [(0, indices)]
+        return np.zeros(len(layout["polygon"]), np.int32)
     slot = read_array(attribute.data, "value", np.int32, 1)[layout["polygon"]]
     # Blender shows faces of slots that are not there with the last one.
-    slot = np.clip(slot, 0, n_slots - 1)
-    return [(int(k), indices[slot == k]) for k in np.unique(slot)]
+    return np.clip(slot, 0, n_slots - 1)
+
+
+def _by_slot(layout):
+    """Triangles of each material slot that has any."""
+    slot = layout["slot"]
+    if not slot.any():
+        return [(0, layout["indices"])]
+    return [(int(k), layout["indices"][slot == k]) for k in np.unique(slot)]
 
 
 def write_motion(gltf, mesh_ix, layout, times, steps):
     """Adds vertices and normals at `times` (frames from the frame) to all primitives of a mesh; a step is what `positions_of` and `normals_of` give."""
-    source = layout["source_vertex"]
-    motion = {"times": times, "positions": [gltf.accessor(p[source], ARRAY_BUFFER, bounds=True) for p, _ in steps]}
-    if all(n is not None for _, n in steps):
+    source, offsets = layout["source_vertex"], layout.get("offsets", np.float32(0.0))
+    motion = {"times": times, "positions": [gltf.accessor(p[source] + offsets, ARRAY_BUFFER, bounds=True) for p, _ in steps]}
+    if all(n is not None for _, n in steps) and "offsets" not in layout:
         source = source if layout["domain"] == "POINT" else layout["source_corner"]
         motion["normals"] = [gltf.accessor(n[source], ARRAY_BUFFER) for _, n in steps]
     for primitive in gltf.document["meshes"][mesh_ix]["primitives"]:

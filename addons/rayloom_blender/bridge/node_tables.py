@@ -130,6 +130,7 @@ CLOSURES = {
 # Values with sockets only: node type → (record type, {input: socket}, {choice: property}, {socket: output}).
 VALUES = {
     "GAMMA": ("gamma", {"color": "Color", "gamma": "Gamma"}, {}, {"Color": "color"}),
+    "BLACKBODY": ("blackbody", {"temperature": "Temperature"}, {}, {"Color": "color"}),
     "INVERT": ("invert", {"color": "Color", "fac": "Fac"}, {}, {"Color": "color"}),
     "BRIGHTCONTRAST": ("brightContrast", {"color": "Color", "bright": "Bright", "contrast": "Contrast"}, {}, {"Color": "color"}),
     "HUE_SAT": (
@@ -153,7 +154,7 @@ VALUES = {
         "objectInfo",
         {},
         {},
-        {"Color": "color", "Random": "random", "Object Index": "objectIndex", "Material Index": "materialIndex", "Location": "location"},
+        {"Color": "color", "Random": "random", "Object Index": "objectIndex", "Material Index": "materialIndex", "Location": "location", "Alpha": "alpha"},
     ),
     "HAIR_INFO": ("curvesInfo", {}, {}, {"Intercept": "intercept", "Is Strand": "isStrand", "Random": "random", "Length": "length"}),
     "LIGHT_PATH": (
@@ -168,6 +169,7 @@ VALUES = {
             "Is Singular Ray": "isSingularRay",
             "Is Reflection Ray": "isReflectionRay",
             "Is Transmission Ray": "isTransmissionRay",
+            "Is Volume Scatter Ray": "isVolumeScatterRay",
             "Ray Length": "rayLength",
             "Ray Depth": "rayDepth",
         },
@@ -191,6 +193,7 @@ WORDS = {
     "MULTIPLE_SCATTERING": "multipleScattering",
     "HOSEK_WILKIE": "hosekWilkie",
     "MIRROR_BALL": "mirrorBall",
+    "RANGE": "range",
 }
 
 

@@ -87,7 +87,11 @@ class Graph:
         if key not in self._done:
             self._done[key] = plain_value(socket)
             self._done[key] = self._value(node, out, path, socket)
-        return self._done[key]
+        value = self._done[key]
+        if out.type == "VECTOR" and socket.type in {"VALUE", "INT"} and is_link(value):
+            # A vector becomes the mean of its parts; a colour, its luminance.
+            return {"node": self.add({"type": "vectorMath", "operation": "dot_product", "a": value, "b": [1 / 3] * 3}), "output": "value"}
+        return value
 
     def _value(self, node, out, path, socket):
         if node.type in SPECIAL:

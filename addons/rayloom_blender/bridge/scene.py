@@ -5,7 +5,7 @@ import bpy
 
 from ..core.glb import Gltf
 from ..core.schema import NAME, VERSION
-from . import crowd, hair, instance, light, material, mesh, motion
+from . import crowd, displacement, hair, instance, light, material, mesh, motion, surroundings
 from .camera import camera_record
 from .image import Images
 from .settings import render_record
@@ -41,6 +41,9 @@ class Exporter:
         self._crowds, self._known = {}, {}
         self._meshes, self._materials, self._lights, self._curves = {}, {}, {}, {}
         self._atlases = {}  # by the keys of materials that were baked over faces
+        self._displacements = {}  # by the keys of materials
+        self._placed = set()  # keys of materials that look otherwise on every object
+        self._by_object = set()  # keys of meshes that look otherwise on every object
         self.deforming = {}  # by object: index of the mesh, its layout, numbers of vertices and corners
         self._reported = set()
         self._camera_node = None
@@ -131,7 +134,7 @@ class Exporter:
                 if self._known[known] is not None:
                     self._known[known].add(shown)
                 return
-        made = self._made_mesh(obj, own, shown.matrix)
+        made = self._made_mesh(shown, own)
         hairy = [(k, m) for k, m in enumerate(m for m in obj.modifiers if m.type == "PARTICLE_SYSTEM") if _shows_hair(m)]
         for k, modifier in hairy:
             self._place_particle_hair(shown, modifier, k)
@@ -146,33 +149,47 @@ class Exporter:
             self._known[known] = self._crowds.setdefault(group, crowd.Crowd(made, obj.name, switches))
             self._known[known].add(shown)
 
-    def _made_mesh(self, obj, own, matrix):
+    def _made_mesh(self, shown, own):
         """Index of an object's mesh, or `None`. `own`: the mesh is the object's data, not made of it."""
+        obj = shown.obj
         slots = tuple(s.material.original.name_full if s.material else None for s in obj.material_slots)
         key = (obj.data.as_pointer() if own else obj.original.as_pointer(), slots)
+        of_object = (*key, obj.original.name_full)
+        if key in self._by_object:
+            key = of_object
         if key not in self._meshes:
             self._meshes[key] = None
             data = obj.data if own else obj.to_mesh()
             try:
                 if data is not None:
-                    self._meshes[key] = self._mesh(obj, data, matrix)
+                    made, placed = self._mesh(shown, data)
+                    if placed and key != of_object:
+                        self._by_object.add(key)
+                        key = of_object
+                    self._meshes[key] = made
             finally:
                 if not own:
                     obj.to_mesh_clear()
         return self._meshes[key]
 
-    def _mesh(self, obj, data, matrix):
-        baked = []
-        shown = [s.material for s in obj.material_slots] or [None]
-        materials = [self._plain() if m is None else self._material(m, obj, data, matrix, baked) for m in shown]
-        corner_uv = baked[0].corner_uv() if baked else None
-        written = mesh.write_mesh(self.gltf, data, materials, obj.data.name if obj.data else obj.name, corner_uv)
+    def _mesh(self, shown, data):
+        """Index of a mesh, or `None`, and whether another object would show it otherwise."""
+        obj = shown.obj
+        slots = [s.material for s in obj.material_slots] or [None]
+        found = [(self._plain(), None) if m is None else self._material(m, shown, data) for m in slots]
+        materials, keys = [ix for ix, _ in found], [key for _, key in found]
+        atlas = next((self._atlases[k] for k in keys if k in self._atlases), None)
+        moves = [self._displacements.get(k) for k in keys]
+        displace = (lambda layout: displacement.displaced(layout, data, moves)) if any(moves) else None
+        corner_uv = atlas.corner_uv() if atlas else None
+        written = mesh.write_mesh(self.gltf, data, materials, obj.data.name if obj.data else obj.name, corner_uv, displace)
+        placed = any(k in self._placed for k in keys)
         if written is None:
-            return None
+            return None, placed
         ix, layout = written
         if obj.type == "MESH" and motion.deforms(obj):
             self.deforming[obj.original.name_full] = (ix, layout, (len(data.vertices), len(data.loops)))
-        return ix
+        return ix, placed
 
     def _plain(self):
         """Index of the material of surfaces that have none."""
@@ -180,28 +197,32 @@ class Exporter:
             self._materials[None] = self.gltf.append("materials", material.plain_record(bpy.app.version))
         return self._materials[None]
 
-    def _material(self, mat, obj, data, matrix, baked=None):
-        """Index of a material for an object; the places of its faces are added to `baked` where it was baked over them."""
+    def _material(self, mat, shown, data):
+        """Index of a material for an object and the key that it is kept by; `data`: its mesh, or `None`."""
         if mat is None:
-            return None
-        name = mat.original.name_full
+            return None, None
+        name, of_object = mat.original.name_full, shown.obj.original.name_full
         uv_names = tuple(layer.name for layer in mesh.ordered_uvs(data)) if data else ()
         color_names = tuple(a.name for a in mesh.ordered_colors(data)) if data else ()
         layers = (uv_names, color_names)
-        for key in ((name,), (name, layers), (name, layers, obj.original.name_full)):
+        for key in ((name,), (name, layers), (name, layers, of_object)):
             if key in self._materials:
-                if baked is not None and self._atlases.get(key):
-                    baked.append(self._atlases[key])
-                return self._materials[key]
-        around = material.Surroundings(self.gltf, self.images, self.grids, mat.name, data, matrix)
-        record, names_layers = material.material_record(mat, around, self.images, uv_names, color_names, self.log)
-        key = (name, layers, obj.original.name_full) if around.used else (name, layers) if names_layers else (name,)
+                return self._materials[key], key
+
+        def tell(what):
+            self.log(f"Material '{mat.name}'", what)
+
+        around = surroundings.Surroundings(self.gltf, self.images, self.grids, mat, data, shown, tell)
+        record, names_layers, moves = material.material_record(mat, around, self.images, uv_names, color_names)
+        key = (name, layers, of_object) if around.used or moves else (name, layers) if names_layers else (name,)
         self._materials[key] = self.gltf.append("materials", record)
         if around.baked_surface is not None:
             self._atlases[key] = around.baked_surface.atlas
-            if baked is not None:
-                baked.append(around.baked_surface.atlas)
-        return self._materials[key]
+        if moves:
+            self._displacements[key] = moves
+        if around.placed or (moves and moves.in_world):
+            self._placed.add(key)
+        return self._materials[key], key
 
     def _place_light(self, shown):
         data = shown.obj.data
@@ -226,7 +247,7 @@ class Exporter:
         key = obj.data.as_pointer()
         if key not in self._curves:
             record = hair.curves_record(self.gltf, obj.data)
-            self._curves[key] = self._finish_curves(record, obj, shown.matrix, 0)
+            self._curves[key] = self._finish_curves(record, shown, 0)
         if self._curves[key] is not None:
             self._node(shown, {}, {"curves": self._curves[key]})
 
@@ -235,17 +256,17 @@ class Exporter:
         if key not in self._curves:
             record = hair.particle_hair_record(self.gltf, shown.obj, modifier.particle_system, modifier)
             slot = max(0, modifier.particle_system.settings.material - 1)
-            self._curves[key] = self._finish_curves(record, shown.obj, shown.matrix, slot)
+            self._curves[key] = self._finish_curves(record, shown, slot)
             if self._curves[key] is not None:
                 record = {"name": f"{shown.obj.name} hair", "extensions": {NAME: {"curves": self._curves[key]}}}
                 self.nodes.append((self.gltf.append("nodes", record), None))
 
-    def _finish_curves(self, record, obj, matrix, slot):
+    def _finish_curves(self, record, shown, slot):
         if record is None:
             return None
-        slots = obj.material_slots
+        slots = shown.obj.material_slots
         if slots:
-            made = self._material(slots[min(slot, len(slots) - 1)].material, obj, None, matrix)
+            made, _ = self._material(slots[min(slot, len(slots) - 1)].material, shown, None)
             if made is not None:
                 record["material"] = made
         self.curves.append(record)

@@ -1,144 +1,68 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shader nodes that give values and need more than a table: textures, mixes, ramps, normals, attributes.
+"""Shader nodes that give values and need more than a table: mixes, ramps, curves, normals, attributes.
 
 Each function takes the graph, the node, the wanted output and the path of groups, and gives an input value of the file, or `None` where it cannot.
 """
 
 from .coordinates import uv_set
-from .image import pick_image
 from .links import find_source, plain_value, socket_of
 from .node_tables import word
+from .texture_nodes import TEXTURES
+from .values import input_value, link_to
 
-
-def _out(graph, record, output=None):
-    link = {"node": graph.add(record)}
-    if output:
-        link["output"] = output
-    return link
-
-
-def _value(graph, node, name, path):
-    socket = socket_of(node, name)
-    return 0.0 if socket is None else graph.value(socket, path)
-
-
-def image_texture(graph, node, out, path):
-    """Image Texture. A missing picture is pink, as in Cycles."""
-    alpha = out.name == "Alpha"
-    if node.image is None:
-        return 1.0 if alpha else [0.0, 0.0, 0.0]
-    image = pick_image(graph.images, node.image, node.image_user, graph.log)
-    if image is None:
-        return 1.0 if alpha else [1.0, 0.0, 1.0]
-    record = {
-        "type": "image",
-        "image": image,
-        "coordinates": graph.coordinates(node, path, "uv"),
-        "interpolation": word(node.interpolation),
-        "extension": word(node.extension),
-    }
-    if node.projection != "FLAT":
-        record["projection"] = word(node.projection)
-        record["blend"] = node.projection_blend
-    return _out(graph, record, "alpha" if alpha else "color")
-
-
-def environment_texture(graph, node, out, path):
-    """Environment Texture."""
-    if node.image is None:
-        return [0.0, 0.0, 0.0]
-    image = pick_image(graph.images, node.image, node.image_user, graph.log)
-    if image is None:
-        return [1.0, 0.0, 1.0]
-    record = {
-        "type": "environment",
-        "image": image,
-        "coordinates": graph.coordinates(node, path, "position"),
-        "interpolation": word(node.interpolation),
-        "projection": word(node.projection),
-    }
-    return _out(graph, record, "color")
-
-
-def sky_texture(graph, node, out, path):
-    """Sky Texture of every model. Names differ between 4.x and 5.0 (dust became aerosols)."""
-    record = {"type": "sky", "model": word(node.sky_type), "coordinates": graph.coordinates(node, path, "position")}
-    if node.sky_type in {"PREETHAM", "HOSEK_WILKIE"}:
-        record["sunDirection"] = list(node.sun_direction)
-        record["turbidity"] = node.turbidity
-        record["groundAlbedo"] = node.ground_albedo
-    else:
-        record.update(
-            sunDisc=node.sun_disc,
-            sunSize=node.sun_size,
-            sunIntensity=node.sun_intensity,
-            sunElevation=node.sun_elevation,
-            sunRotation=node.sun_rotation,
-            altitude=node.altitude,
-            airDensity=node.air_density,
-            dustDensity=getattr(node, "aerosol_density", getattr(node, "dust_density", 1.0)),
-            ozoneDensity=node.ozone_density,
-        )
-    return _out(graph, record, "color")
-
-
-def checker_texture(graph, node, out, path):
-    """Checker Texture."""
-    record = {"type": "checker", "coordinates": graph.coordinates(node, path, "generated")}
-    record["scale"] = _value(graph, node, "Scale", path)
-    record["color1"] = _value(graph, node, "Color1", path)
-    record["color2"] = _value(graph, node, "Color2", path)
-    return _out(graph, record, "fac" if out.name in {"Fac", "Factor"} else "color")
-
-
-def noise_texture(graph, node, out, path):
-    """Noise Texture (from 4.1 on it has Musgrave's kinds too)."""
-    record = {
-        "type": "noise",
-        "coordinates": graph.coordinates(node, path, "generated"),
-        "kind": word(getattr(node, "noise_type", "FBM")),
-        "normalize": bool(getattr(node, "normalize", True)),
-        "dimensions": int(node.noise_dimensions[0]),
-    }
-    for name in ("W", "Scale", "Detail", "Roughness", "Lacunarity", "Offset", "Gain", "Distortion"):
-        socket = socket_of(node, name)
-        if socket is not None:
-            record[name.lower()] = graph.value(socket, path)
-    return _out(graph, record, "fac" if out.name in {"Fac", "Factor"} else "color")
-
-
-def gradient_texture(graph, node, out, path):
-    """Gradient Texture."""
-    kind = word(node.gradient_type)
-    record = {"type": "gradient", "coordinates": graph.coordinates(node, path, "generated"), "kind": kind}
-    return _out(graph, record, "fac" if out.name in {"Fac", "Factor"} else "color")
+# Places in a table that stands for a curve or a ramp, as many as Cycles takes.
+_TABLE = 257
 
 
 def color_ramp(graph, node, out, path):
-    """Color Ramp."""
+    """Color Ramp; one that mixes hues, or bends, as a table."""
     ramp = node.color_ramp
     stops = [[e.position, *e.color] for e in ramp.elements]
-    record = {"type": "colorRamp", "fac": graph.value(node.inputs[0], path), "interpolation": word(ramp.interpolation), "stops": stops}
+    interpolation = word(ramp.interpolation)
     if ramp.color_mode != "RGB" or ramp.interpolation in {"CARDINAL", "B_SPLINE"}:
-        graph.log(f"the ramp '{node.name}' is taken as a linear one in RGB")
-        record["interpolation"] = "linear"
-    return _out(graph, record, "alpha" if out.name == "Alpha" else "color")
+        interpolation, stops = "linear", [[k / (_TABLE - 1), *ramp.evaluate(k / (_TABLE - 1))] for k in range(_TABLE)]
+    record = {"type": "colorRamp", "fac": graph.value(node.inputs[0], path), "interpolation": interpolation, "stops": stops}
+    return link_to(graph, record, "alpha" if out.name == "Alpha" else "color")
+
+
+def curves(graph, node, out, path):
+    """RGB Curves, Vector Curves and Float Curve as tables."""
+    mapping = node.mapping
+    mapping.initialize()
+    own = list(mapping.curves)
+    x = [p.location[0] for c in own for p in c.points]
+    low, high = min(x), max(x)
+    if high <= low:
+        return None
+    at = [low + (high - low) * k / (_TABLE - 1) for k in range(_TABLE)]
+    # The fourth curve of RGB Curves comes first.
+    first = (lambda v: mapping.evaluate(own[3], v)) if node.type == "CURVE_RGB" else (lambda v: v)
+    table = [[mapping.evaluate(c, first(v)) for v in at] for c in own[:3]]
+    record = {"type": "curves", "range": [low, high], "table": table, "extrapolate": mapping.extend == "EXTRAPOLATED"}
+    if node.type == "CURVE_FLOAT":
+        record["isNumber"] = True
+    factor, value = (graph.value(s, path) for s in node.inputs[:2])
+    return link_to(graph, {**record, "fac": factor, "value": value}, "color")
 
 
 def map_range(graph, node, out, path):
-    """Map Range of numbers."""
-    if node.data_type != "FLOAT" or node.interpolation_type != "LINEAR":
-        return None
-    record = {"type": "mapRange", "clamp": node.clamp}
-    for key, name in (("value", "Value"), ("fromMin", "From Min"), ("fromMax", "From Max"), ("toMin", "To Min"), ("toMax", "To Max")):
-        record[key] = _value(graph, node, name, path)
-    return _out(graph, record)
+    """Map Range of numbers and of vectors."""
+    is_vector = node.data_type == "FLOAT_VECTOR"
+    record = {"type": "mapRange", "clamp": node.clamp, "interpolation": word(node.interpolation_type)}
+    if is_vector:
+        record["isVector"] = True
+    names = {"value": "Vector" if is_vector else "Value", "fromMin": "From Min", "fromMax": "From Max", "toMin": "To Min", "toMax": "To Max"}
+    for key, name in {**names, "steps": "Steps"}.items():
+        record[key] = input_value(graph, node, name, path)
+    return link_to(graph, record)
 
 
 def clamp(graph, node, out, path):
     """Clamp, both kinds."""
-    low, high = _value(graph, node, "Min", path), _value(graph, node, "Max", path)
-    return _out(graph, {"type": "clampRange", "value": _value(graph, node, "Value", path), "min": low, "max": high})
+    record = {"type": "clampRange", "kind": word(node.clamp_type)}
+    for key, name in (("value", "Value"), ("min", "Min"), ("max", "Max")):
+        record[key] = input_value(graph, node, name, path)
+    return link_to(graph, record)
 
 
 def math(graph, node, out, path):
@@ -147,7 +71,7 @@ def math(graph, node, out, path):
     for key, socket in zip("abc", node.inputs):
         if socket.enabled:
             record[key] = graph.value(socket, path)
-    return _out(graph, record)
+    return link_to(graph, record)
 
 
 def vector_math(graph, node, out, path):
@@ -159,7 +83,15 @@ def vector_math(graph, node, out, path):
     scale = socket_of(node, "Scale")
     if scale is not None and scale.enabled:
         record["scale"] = graph.value(scale, path)
-    return _out(graph, record, "value" if out.name == "Value" else "color")
+    return link_to(graph, record, "value" if out.name == "Value" else "color")
+
+
+def vector_rotate(graph, node, out, path):
+    """Vector Rotate."""
+    record = {"type": "vectorRotate", "kind": word(node.rotation_type), "invert": node.invert}
+    for name in ("Vector", "Center", "Axis", "Angle", "Rotation"):
+        record[name.lower()] = input_value(graph, node, name, path)
+    return link_to(graph, record, "color")
 
 
 def mix(graph, node, out, path):
@@ -173,8 +105,12 @@ def mix(graph, node, out, path):
         factor, a, b = (graph.value(s, path) for s in sockets[:3])
         is_color = node.data_type == "RGBA"
         record = {"clampFactor": node.clamp_factor, "clampResult": is_color and node.clamp_result}
+        if node.data_type == "FLOAT":
+            record["kind"] = "number"
+        elif node.data_type == "VECTOR" and node.factor_mode == "NON_UNIFORM":
+            record["kind"] = "parts"
         blend = node.blend_type if is_color else "MIX"
-    return _out(graph, {"type": "mixColor", "blend": blend.lower(), "factor": factor, "a": a, "b": b, **record}, "color")
+    return link_to(graph, {"type": "mixColor", "blend": blend.lower(), "factor": factor, "a": a, "b": b, **record}, "color")
 
 
 def separate_color(graph, node, out, path):
@@ -184,7 +120,25 @@ def separate_color(graph, node, out, path):
     record = {"type": "separate", "color": graph.value(node.inputs[0], path)}
     if mode != "rgb":
         record["mode"] = mode
-    return _out(graph, record, "xyz"[index])
+    return link_to(graph, record, "xyz"[index])
+
+
+def separate_parts(graph, node, out, path):
+    """Separate RGB and Separate HSV of older files."""
+    index = list(node.outputs).index(next(s for s in node.outputs if s.identifier == out.identifier))
+    record = {"type": "separate", "color": graph.value(node.inputs[0], path)}
+    if node.type == "SEPHSV":
+        record["mode"] = "hsv"
+    return link_to(graph, record, "xyz"[index])
+
+
+def combine_parts(graph, node, out, path):
+    """Combine RGB and Combine HSV of older files."""
+    x, y, z = (graph.value(s, path) for s in node.inputs[:3])
+    record = {"type": "combine", "x": x, "y": y, "z": z}
+    if node.type == "COMBHSV":
+        record["mode"] = "hsv"
+    return link_to(graph, record, "color")
 
 
 def combine_color(graph, node, out, path):
@@ -193,7 +147,7 @@ def combine_color(graph, node, out, path):
     record = {"type": "combine", "x": x, "y": y, "z": z}
     if node.mode != "RGB":
         record["mode"] = node.mode.lower()
-    return _out(graph, record, "color")
+    return link_to(graph, record, "color")
 
 
 def constant(graph, node, out, path):
@@ -207,24 +161,24 @@ def normal_map(graph, node, out, path):
     if space is None:
         space = "object" if "OBJECT" in node.space else "world"
         graph.log(f"the normal map '{node.name}' in Blender's old space is taken as in {space} space")
-    record = {"type": "normalMap", "color": _value(graph, node, "Color", path), "strength": _value(graph, node, "Strength", path)}
+    record = {"type": "normalMap", "color": input_value(graph, node, "Color", path), "strength": input_value(graph, node, "Strength", path)}
     if space != "tangent":
         record["space"] = space
     uv = uv_set(graph, node.uv_map)
     if uv:
         record["uvSet"] = uv
-    return _out(graph, record)
+    return link_to(graph, record)
 
 
 def bump(graph, node, out, path):
     """Bump."""
     record = {"type": "bump", "invert": node.invert}
     for key, name in (("strength", "Strength"), ("distance", "Distance"), ("height", "Height")):
-        record[key] = _value(graph, node, name, path)
+        record[key] = input_value(graph, node, name, path)
     normal = socket_of(node, "Normal")
     if normal is not None and find_source(normal, path)[0] is not None:
         record["normal"] = graph.value(normal, path)
-    return _out(graph, record)
+    return link_to(graph, record)
 
 
 def _color_layer(graph, name):
@@ -235,22 +189,24 @@ def _color_layer(graph, name):
 
 
 def attribute(graph, node, out, path):
-    """Color Attribute, and Attribute where it names a colour layer or a UV map."""
+    """Color Attribute and Attribute: a colour layer, a UV map, another attribute of the mesh or a property of the object."""
     name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
     layer = _color_layer(graph, name)
     if layer:
-        output = {"Alpha": "alpha", "Fac": "fac"}.get(out.name, "color")
-        return _out(graph, {"type": "attribute", "name": layer}, output)
+        output = {"Alpha": "alpha", "Fac": "fac", "Factor": "fac"}.get(out.name, "color")
+        return link_to(graph, {"type": "attribute", "name": layer}, output)
     if name in graph.uv_names:
         return _coordinate_value(graph, "uv", uv_set(graph, name))
-    return None
+    kind = getattr(node, "attribute_type", "GEOMETRY")
+    record = {"type": "meshAttribute" if kind == "GEOMETRY" else "objectAttribute", "name": name}
+    return link_to(graph, record, {"Alpha": "alpha", "Fac": "fac", "Factor": "fac"}.get(out.name, "color"))
 
 
 def _coordinate_value(graph, source, uv=0):
     where = {"source": source}
     if uv:
         where["uvSet"] = uv
-    return _out(graph, {"type": "vector", "coordinates": where}, "color")
+    return link_to(graph, {"type": "vector", "coordinates": where}, "color")
 
 
 def texture_coordinate(graph, node, out, path):
@@ -262,30 +218,33 @@ def texture_coordinate(graph, node, out, path):
 
 def mapping(graph, node, out, path):
     """Mapping where its value is computed with, or its sockets are computed."""
-    record = {"type": "mapping", "kind": node.vector_type.lower(), "vector": _value(graph, node, "Vector", path)}
+    record = {"type": "mapping", "kind": node.vector_type.lower(), "vector": input_value(graph, node, "Vector", path)}
     for name in ("Location", "Rotation", "Scale"):
         socket = socket_of(node, name)
         if socket is not None and socket.enabled:
             record[name.lower()] = graph.value(socket, path)
-    return _out(graph, record, "color")
+    return link_to(graph, record, "color")
 
 
 SPECIAL = {
-    "TEX_IMAGE": image_texture,
-    "TEX_ENVIRONMENT": environment_texture,
-    "TEX_SKY": sky_texture,
-    "TEX_CHECKER": checker_texture,
-    "TEX_NOISE": noise_texture,
-    "TEX_GRADIENT": gradient_texture,
+    **TEXTURES,
     "VALTORGB": color_ramp,
+    "CURVE_RGB": curves,
+    "CURVE_VEC": curves,
+    "CURVE_FLOAT": curves,
     "MAP_RANGE": map_range,
     "CLAMP": clamp,
     "MATH": math,
     "VECT_MATH": vector_math,
+    "VECTOR_ROTATE": vector_rotate,
     "MIX": mix,
     "MIX_RGB": mix,
     "SEPARATE_COLOR": separate_color,
     "COMBINE_COLOR": combine_color,
+    "SEPRGB": separate_parts,
+    "SEPHSV": separate_parts,
+    "COMBRGB": combine_parts,
+    "COMBHSV": combine_parts,
     "RGB": constant,
     "VALUE": constant,
     "NORMAL_MAP": normal_map,

@@ -4,14 +4,18 @@ body to a grid, else to their mean."""
 
 import numpy as np
 
-from .evaluate import Evaluator, Unknown, affine, as_color, as_number
+from . import baked, pictures
+from .evaluate import Evaluator
 from .lower import reachable
+from .values import Unknown, affine, as_color, as_number
 
 # Texels along the longer side of a baked picture; cells along a grid's longest side, the fewest that do. Picked by feel.
 PICTURE_SIZE = 1024
 GRID_SIZES = (20, 40, 80, 160)
 # A grid does when it is off by this share of the largest density, root mean square at places drawn at random.
 GRID_ERROR = 0.01
+# Values that stand on the faces, whatever coordinates there are.
+ON_FACES = {"attribute", "meshAttribute", "geometry"}
 # Most checker cells that become texels one by one.
 MAX_CELLS = 4096
 
@@ -22,13 +26,20 @@ def linear_to_srgb(v):
     return np.where(v <= 0.0031308, 12.92 * v, 1.055 * np.maximum(v, 1e-9) ** (1.0 / 2.4) - 0.055)
 
 
+def encoded(pixels, is_color):
+    """A baked picture as `(file, mime type, colour space)`: a 16-bit PNG of values in 0..1, else floats."""
+    if pixels.min() < 0.0 or pixels.max() > 1.0:
+        return pictures.exr(pixels), "image/x-exr", "linear"
+    return pictures.png(linear_to_srgb(pixels) if is_color else pixels, 16), "image/png", "srgb" if is_color else "nonColor"
+
+
 class Baker:
     """Bakes for one object.
 
-    `surroundings` has `uv_box(set)` → ((u0, v0), (u1, v1)) or `None`; `body()` → (low, high) corners in object space or `None`;
-    `points(source, p)` → coordinates of a source at object space points (n, 3); `image(index)` → linear RGBA; `add_picture(pixels, is_color)`
-    and `add_grid(values, resolution, body)` → indices; `surface()` → an [`Atlas`](atlas.py) with `points(source, set)` at its samples and the `uv_set`
-    that shows it, or `None`.
+    `surroundings` has `about(node, output)` (core/evaluate.py), `uv_box(set)` → ((u0, v0), (u1, v1)) or `None`; `body()` → (low, high) corners in object space or `None`;
+    `points(source, p)` → coordinates of a source at object space points (n, 3); `image(index)` → linear RGBA; `shape(nodes)` → arrays that say all that these nodes ask of the
+    mesh, or `None` where they ask for more; `add_file(data, mime, space)` and `add_grid(values, resolution, body)` → indices; `surface()` → an [`Atlas`](atlas.py) with `points(source, set)` and `about` at its samples and the
+    `uv_set` that shows it, or `None`.
     """
 
     def __init__(self, surroundings):
@@ -40,17 +51,29 @@ class Baker:
         where = [n["coordinates"] for n in used if isinstance(n.get("coordinates"), dict) and "source" in n["coordinates"]]
         sets = {w.get("uvSet", 0) for w in where if w["source"] == "uv"}
         names = ", ".join(sorted({n["type"] for n in used if n["type"] not in {"vector", "separate", "combine", "math"}}))
-        box = self.at.uv_box(min(sets)) if len(sets) == 1 and all(w["source"] == "uv" for w in where) else None
+        on_faces = any(n["type"] in ON_FACES for n in used)
+        box = self.at.uv_box(min(sets)) if len(sets) == 1 and all(w["source"] == "uv" for w in where) and not on_faces else None
         try:
+            if not where and not on_faces:
+                same = self._same_everywhere(nodes, value, is_color)
+                if same is not None:
+                    return same
             if box is not None:
                 return self._picture(nodes, value, used, min(sets), box, add, log, names, is_color)
             surface = self.at.surface()
             if surface is not None:
-                return self._over_surface(nodes, value, surface, add, log, names, is_color)
+                return self._over_surface(nodes, value, used, surface, add, log, names, is_color)
             return self._mean(nodes, value, log, names)
         except Unknown as e:
             log(f"'{e}' is not evaluated; a mid grey is taken for it ({names})")
             return 0.5
+
+    def _same_everywhere(self, nodes, value, is_color):
+        """The value of what asks nothing of the place; `None` where it does so after all."""
+        out = Evaluator(nodes, None, self.at.image, self.at.about).value(value)
+        if out.ndim > 1 or (out.ndim == 1 and len(out) != 3):
+            return None
+        return [float(v) for v in as_color(out)] if is_color else float(as_number(out))
 
     def _picture(self, nodes, value, used, uv_set, box, add, log, names, is_color):
         (u0, v0), (u1, v1) = box
@@ -69,14 +92,17 @@ class Baker:
                 raise Unknown(f"coordinates of source {source}")
             return p
 
-        out = np.asarray(Evaluator(nodes, points, self.at.image).value(value), np.float32)
-        out = (as_color(out) if is_color else as_color(as_number(out))).reshape(-1, 3)
-        out = np.broadcast_to(out, (width * height, 3)).reshape(height, width, 3)
+        def pixels():
+            out = np.asarray(Evaluator(nodes, points, self.at.image, self.at.about).value(value), np.float32)
+            out = (as_color(out) if is_color else as_color(as_number(out))).reshape(-1, 3)
+            return np.broadcast_to(out, (width * height, 3)).reshape(height, width, 3)
+
+        image = self._kept_picture(nodes, value, used, is_color, (width, height, u0, v0, u1, v1), pixels)
         if not grid:
             log(f"baked to a picture of {width} x {height} over UV: {names}")
         record = {
             "type": "image",
-            "image": self.at.add_picture(out, is_color),
+            "image": image,
             "coordinates": {"source": "uv"},
             "interpolation": "closest" if grid else "linear",
             "extension": "extend",
@@ -88,18 +114,35 @@ class Baker:
             record["coordinates"]["affine"] = [su, 0, 0, -u0 * su, 0, sv, 0, -v0 * sv, 0, 0, 1, 0]
         return _linked(record, add, is_color)
 
-    def _over_surface(self, nodes, value, surface, add, log, names, is_color):
+    def _kept_picture(self, nodes, value, used, is_color, where, pixels):
+        """Index of a picture: that of an earlier export where nothing changed, else of `pixels()`."""
+        shape = self.at.shape(used)
+        key = shape and baked.key_of(used, nodes[value["node"]], value, is_color, where, *shape)
+        kept = key and baked.find(key)
+        if kept:
+            return self.at.add_file(*kept)
+        made = encoded(pixels(), is_color)
+        if key:
+            baked.keep(key, made)
+        return self.at.add_file(*made)
+
+    def _over_surface(self, nodes, value, used, surface, add, log, names, is_color):
         """A picture with a place for every triangle."""
         atlas = surface.atlas
-        out = np.asarray(Evaluator(nodes, surface.points, self.at.image).value(value), np.float32)
-        out = as_color(out) if is_color else as_color(as_number(out))
-        _, _, rows, columns = surface.samples
-        picture = np.zeros((atlas.side, atlas.side, 3), np.float32)
-        picture[rows, columns] = out
+
+        def pixels():
+            out = np.asarray(Evaluator(nodes, surface.points, self.at.image, surface.about).value(value), np.float32)
+            out = as_color(out) if is_color else as_color(as_number(out))
+            _, _, rows, columns = surface.samples
+            picture = np.zeros((atlas.side, atlas.side, 3), np.float32)
+            picture[rows, columns] = out
+            return picture
+
+        image = self._kept_picture(nodes, value, used, is_color, "faces", pixels)
         log(f"baked to a picture of {atlas.side} x {atlas.side} over its faces: {names}")
         record = {
             "type": "image",
-            "image": self.at.add_picture(picture, is_color),
+            "image": image,
             "coordinates": {"source": "uv", "uvSet": surface.uv_set},
             "interpolation": "linear",
             "extension": "extend",
@@ -121,13 +164,13 @@ class Baker:
         axes = [low[k] + (np.arange(n) + 0.5) / n * (high[k] - low[k]) for k, n in enumerate(resolution)]
         z, y, x = np.meshgrid(axes[2], axes[1], axes[0], indexing="ij")
         p = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=-1)
-        return np.asarray(Evaluator(nodes, lambda source, _: self.at.points(source, p), self.at.image).value(value), np.float32)
+        return np.asarray(Evaluator(nodes, lambda source, _: self.at.points(source, p), self.at.image, self.at.about).value(value), np.float32)
 
     def _grid(self, nodes, value, body):
         """Densities in the coarsest grid that is close enough, z slowest, and its resolution."""
         low, size = np.asarray(body[0]), np.maximum(np.asarray(body[1]) - body[0], 1e-6)
         places = np.random.default_rng(1).random((4096, 3))
-        evaluator = Evaluator(nodes, lambda source, _: self.at.points(source, low + places * size), self.at.image)
+        evaluator = Evaluator(nodes, lambda source, _: self.at.points(source, low + places * size), self.at.image, self.at.about)
         there = np.broadcast_to(as_number(np.asarray(evaluator.value(value), np.float32)), (len(places),))
         for cells in GRID_SIZES:
             resolution = np.maximum(1, np.round(cells * size / size.max())).astype(int)

@@ -5,8 +5,10 @@ What the renderer takes (docs/RAYLOOM_scene.md): pictures over UV, colour attrib
 times a constant, normal and bump maps, density grids; in worlds one environment picture or sky.
 """
 
-from .evaluate import Evaluator, Unknown
+from . import rays
+from .evaluate import Evaluator
 from .schema import CLOSURE_INPUTS, inputs_of, is_link
+from .values import Unknown
 
 _VOLUMES = {"principledVolume", "volumeAbsorption", "volumeScatter"}
 
@@ -49,12 +51,31 @@ class Lowering:
         self.out = []
         self._done = {}
 
+    def add(self, record):
+        """Index of a record; equal ones share."""
+        return self._add(record)
+
     def _add(self, record):
         key = repr(record)
         if key not in self._done:
             self.out.append(record)
             self._done[key] = len(self.out) - 1
         return self._done[key]
+
+    def surface(self, ix):
+        """The new index of a material's closure, for all sorts of rays."""
+        asked = rays.outputs_asked(self.nodes)
+        if not asked:
+            return self.closure(ix)
+        if asked - rays.EXACT:
+            self.log("lengths and depths of light paths are taken as those of the first bounce")
+
+        def lowered(nodes):
+            part = Lowering(nodes, self.baker, self.log, self.is_world)
+            part.out, part._done = self.out, self._done
+            return part.closure(ix)
+
+        return rays.by_ray(self.nodes, lowered, self._add)
 
     def closure(self, ix):
         """The new index of a closure."""
@@ -117,6 +138,14 @@ class Lowering:
         node = self.nodes[value["node"]]
         return node["type"] in {"environment", "sky"} and not is_link(node.get("coordinates"))
 
+    def is_background(self, ix):
+        """Whether the renderer has a world's closure as it is: one colour, picture or sky."""
+        node = self.nodes[ix]
+        if node["type"] not in {"background", "emission"} or as_constant(self.nodes, node.get("strength", 1.0)) is None:
+            return False
+        color = node.get("color", 0.8)
+        return as_constant(self.nodes, color) is not None or self._is_sky(color)
+
     def _is_picture(self, value):
         if not is_link(value):
             return False
@@ -169,10 +198,9 @@ class Lowering:
             self.log("a normal map that is more than a picture in tangent space is left out")
             return None
         if node["type"] == "bump":
-            if "normal" in node:
-                self.log("the normal below a bump map is left out")
+            below = self._normal(node["normal"]) if "normal" in node else None
             if as_constant(self.nodes, node["height"]) is not None:
-                return None
+                return below
             record = {k: v for k, v in node.items() if k != "normal"}
             for key in ("strength", "distance"):
                 constant = as_constant(self.nodes, node[key])
@@ -180,8 +208,10 @@ class Lowering:
             height = node["height"]
             lowered = self._copy(height) if self._is_number(height) else self.baker.bake_surface(self.nodes, height, self.log, self._add, False)
             if not is_link(lowered):
-                return None
+                return below
             record["height"] = lowered
+            if below is not None:
+                record["normal"] = below
             return {"node": self._add(record)}
         self.log(f"a normal made by '{node['type']}' is left out")
         return None

@@ -14,11 +14,15 @@ CLOSURES = {
     "emission", "background", "holdout", "hair", "principledHair", "principledVolume", "volumeAbsorption", "volumeScatter", "add", "mix",
 }
 
+# Sorts of rays, keys of `lightPath` nodes.
+RAYS = ("camera", "diffuse", "glossy", "transmission", "sharpGlossy", "sharpTransmission", "volumeScatter", "shadow", "light")
+
 # Keys of nodes that are no inputs: choices, indices and lists.
 CHOICES = {
     "type", "coordinates", "interpolation", "extension", "projection", "image", "grid", "space", "uvSet", "operation", "blend", "mode",
     "stops", "kind", "distribution", "subsurfaceMethod", "method", "model", "parametrization", "component", "fresnel", "phase", "name",
-    "clamp", "clampFactor", "clampResult", "invert", "normalize", "sunDisc", "source", "affine", "features",
+    "hash", "ray", "range", "table", "extrapolate", "isNumber", "isVector", "dimensions", "feature", "metric", "direction", "profile", "depth",
+    "offsetFrequency", "squash", "squashFrequency", "clamp", "clampFactor", "clampResult", "invert", "normalize", "sunDisc", "source", "affine", "features",
 }  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 use crate::compile::geometry::prim_flags;
 use crate::kernel::bsdf::Event;
 use crate::math::Rgb;
+use crate::scene::shader::RaySort;
 use crate::scene::{PathSettings, Visibility};
 
 /// What made a ray.
@@ -16,6 +17,19 @@ pub enum RayKind {
 }
 
 impl RayKind {
+    /// What a surface knows of such a ray; `sharp`: it left a perfect mirror or clear glass.
+    pub fn sort(self, sharp: bool) -> RaySort {
+        match self {
+            Self::Camera => RaySort::Camera,
+            Self::Diffuse => RaySort::Diffuse,
+            Self::Glossy if sharp => RaySort::SharpGlossy,
+            Self::Glossy => RaySort::Glossy,
+            Self::Transmission if sharp => RaySort::SharpTransmission,
+            Self::Transmission => RaySort::Transmission,
+            Self::Volume => RaySort::Volume,
+        }
+    }
+
     /// The kind as a set.
     pub fn visibility(self) -> Visibility {
         match self {

@@ -183,6 +183,7 @@ fn mix_factor(f: &MixFactor, s: &Surface) -> f32 {
             1.0 - cos.powf(power)
         }
         MixFactor::Backfacing => f32::from(s.backfacing),
+        MixFactor::ByRay(values) => values[s.seen_by as usize],
     };
     value.clamp(0.0, 1.0)
 }

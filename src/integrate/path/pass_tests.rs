@@ -212,3 +212,30 @@ fn an_unshaded_catcher_is_white_and_a_shaded_one_is_what_comes_through() {
     let (half, _) = shown(&s);
     assert!((half - 0.5).abs() < 0.03, "{half}");
 }
+
+#[test]
+fn a_shader_knows_which_sort_of_ray_meets_it_and_the_camera_sees_its_own_world() {
+    use crate::scene::shader::{MixFactor, RaySort};
+    let seen_as = |sort: RaySort| {
+        let mut values = [0.0; RaySort::KEYS.len()];
+        values[sort as usize] = 1.0;
+        Closure::Mix {
+            factor: MixFactor::ByRay(values),
+            a: Box::new(Closure::Emission { color: 0.0.into(), strength: 1.0.into() }),
+            b: Box::new(Closure::Emission { color: 0.5.into(), strength: 1.0.into() }),
+        }
+    };
+    let sheet = |c: Closure| covered(Shape::Box { min: DVec3::new(-9.0, -9.0, 0.4), max: DVec3::new(9.0, 9.0, 0.5) }, c);
+    let shown = |c: Closure| rgb(&render(&scene(vec![sheet(c)], vec![], Vec3::ZERO), 4), Pass::Emission, 5);
+    assert_eq!(shown(seen_as(RaySort::Camera)), Vec3::splat(0.5));
+    assert_eq!(shown(seen_as(RaySort::Diffuse)), Vec3::ZERO);
+    let mut s = scene(vec![], vec![], Vec3::ONE);
+    let mut world = crate::scene::Environment::constant(Vec3::ONE);
+    world.for_camera = Some(Box::new(crate::scene::Environment::constant(Vec3::splat(0.25))));
+    s.environment = Some(world.clone());
+    assert_eq!(rgb(&render(&s, 4), Pass::Environment, 5), Vec3::splat(0.25));
+    let mut floored = scene(vec![floor(0.5)], vec![], Vec3::ONE);
+    floored.environment = Some(world);
+    let lit = rgb(&render(&floored, 64), Pass::DiffuseDirect, 5);
+    assert!((lit - Vec3::ONE).abs().max_element() < 0.05, "{lit}: the floor is lit by the other");
+}

@@ -8,6 +8,7 @@ use super::volume::VolumeStack;
 use crate::compile::geometry::prim_flags;
 use crate::kernel::traverse::ShadowHit;
 use crate::math::{DVec3, Ray, Rgb, Vec3};
+use crate::scene::shader::RaySort;
 
 /// Rays do not see what is nearer than this to where they start. Meshes are tested in double precision on exact vertices.
 pub const NEAR: f64 = 1e-6;
@@ -67,7 +68,7 @@ impl PathPlan<'_> {
                     return Vec3::ZERO;
                 }
                 ShadowHit::Transparent(hit) => {
-                    let surface = Surface::new(self.scene, hit, dir, time);
+                    let surface = Surface::new(self.scene, hit, dir, time).seen_by(RaySort::Shadow);
                     let (shader, plain) = self.material(&surface);
                     let through = match shader {
                         Some(s) if !s.transparent_shadow && s.surface.is_some() => Vec3::ZERO,

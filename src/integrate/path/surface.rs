@@ -8,6 +8,7 @@ use crate::kernel::material::{mesh_of, picture_uv, sample_picture, vertex_color}
 use crate::kernel::traverse::motion_at;
 use crate::math::{DVec2, DVec3, Rgb, Transform, Vec3};
 use crate::scene::input::{Channel, Color, NormalInput, Picture, Scalar};
+use crate::scene::shader::RaySort;
 
 /// A hit made ready.
 pub struct Surface<'s> {
@@ -25,6 +26,8 @@ pub struct Surface<'s> {
     pub normal: DVec3,
     /// The viewer sees the back.
     pub backfacing: bool,
+    /// By what sort of ray; [`RaySort::Light`] until it is told.
+    pub seen_by: RaySort,
     mesh: Option<&'s MeshShape>,
     /// World from the shape's space, at the ray's time.
     transform: Transform,
@@ -77,6 +80,7 @@ impl<'s> Surface<'s> {
                 flat: round,
                 normal: round,
                 backfacing: false,
+                seen_by: RaySort::Light,
                 mesh: None,
                 transform,
                 corners,
@@ -100,7 +104,14 @@ impl<'s> Surface<'s> {
         let backfacing = front.dot(dir) > 0.0;
         let sign = if backfacing { -1.0 } else { 1.0 };
         let (v, flat, normal) = (-dir.as_vec3(), front * sign, smooth * sign);
-        Self { scene, hit, prim, v, flat, normal, backfacing, mesh, transform, corners, time, fibre: None }
+        let seen_by = RaySort::Light;
+        Self { scene, hit, prim, v, flat, normal, backfacing, seen_by, mesh, transform, corners, time, fibre: None }
+    }
+
+    /// Seen by a sort of ray.
+    #[must_use]
+    pub fn seen_by(self, seen_by: RaySort) -> Self {
+        Self { seen_by, ..self }
     }
 
     /// Where the point of the hit is at another time of the shutter.

@@ -242,9 +242,13 @@ impl<'p> PathTracer<'p> {
             }
         }
         if env.sees(kind.visibility()) {
-            let light = env.radiance(plan.scene, dir);
+            let seen = env.for_camera.as_deref().filter(|_| kind == RayKind::Camera);
+            let light = seen.unwrap_or(env).radiance(plan.scene, dir);
             let pdf = if o.pdf.is_finite() { plan.lights.environment_density(plan.scene, o.select, o.normal, dir) } else { 0.0 };
             self.add(path, path.throughput * light * balance(o.pdf, pdf), From::World);
+            if seen.is_some() {
+                return;
+            }
             if let Some((radiance, pdf)) = plan.lights.sky_sun(plan.scene, o.select, o.normal, dir) {
                 self.add(path, path.throughput * radiance * balance(o.pdf, pdf), From::World);
             }
@@ -254,7 +258,7 @@ impl<'p> PathTracer<'p> {
     /// Light at a hit, and the way on; false at the end of the path.
     pub(super) fn meet_surface(&mut self, path: &mut Path, hit: SurfaceHit, survival: f32) -> bool {
         let plan = self.plan;
-        let surface = Surface::new(plan.scene, hit, path.ray.dir, path.time);
+        let surface = Surface::new(plan.scene, hit, path.ray.dir, path.time).seen_by(path.bounces.kind.sort(path.origin.pdf.is_infinite()));
         let (shader, cover) = plan.material(&surface);
         let s = &plan.settings;
         // Caustics are what follows a diffuse bounce.

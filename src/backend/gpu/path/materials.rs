@@ -203,6 +203,7 @@ impl Steps<'_> {
                     }
                     MixFactor::Facing(s) => (2, s.clone()),
                     MixFactor::Backfacing => (3, Scalar::constant(0.0)),
+                    MixFactor::ByRay(_) => return refused("materials that depend on the kind of ray"),
                 };
                 let [x, y] = self.e.scalar(&value)?;
                 let at = append(&mut self.e.words, [kind, x, y]);

@@ -28,6 +28,7 @@ pub(super) fn first_obstacle(scene: &CompiledScene, plan: &PathPlan) -> Option<S
         (crate::integrate::path::has_catchers(scene), "shadow catchers"),
         (!plan.lights.plain.is_empty(), "light sources of POV-Ray"),
         (matches!(plan.lights.environment.kind, Kind::Pov), "POV-Ray's sky"),
+        (plan.lights.environment.for_camera.is_some(), "a world that the camera sees otherwise"),
         (!is_done(&scene.camera.projection), "POV-Ray's cameras"),
     ];
     listed.iter().find(|(holds, _)| *holds).map(|(_, what)| format!("path tracing of {what}"))

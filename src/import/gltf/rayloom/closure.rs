@@ -5,7 +5,7 @@ use super::input::Inputs;
 use crate::math::Vec3;
 use crate::scene::Volume;
 use crate::scene::input::{Color, Scalar};
-use crate::scene::shader::{Closure, Distribution, HairClosure, HairColor, MixFactor, PrincipledClosure, SubsurfaceMethod};
+use crate::scene::shader::{Closure, Distribution, HairClosure, HairColor, MixFactor, PrincipledClosure, RaySort, SubsurfaceMethod};
 
 /// Most closures of one material, shared ones counted as often as they are used.
 pub(super) const MAX_CLOSURES: usize = 4096;
@@ -154,6 +154,13 @@ impl Inputs<'_, '_, '_> {
             ("fresnel", _) => MixFactor::Fresnel(self.scalar(node, "ior", 1.5)?),
             ("layerWeight", Some("facing")) => MixFactor::Facing(self.scalar(node, "blend", 0.5)?),
             ("geometry", Some("backfacing")) => MixFactor::Backfacing,
+            ("lightPath", _) => {
+                let mut values = [0.0; RaySort::KEYS.len()];
+                for (value, key) in values.iter_mut().zip(RaySort::KEYS) {
+                    *value = self.nodes[node].number_or(key, 0.0)? as f32;
+                }
+                MixFactor::ByRay(values)
+            }
             _ => MixFactor::Scalar(self.scalar(ix, "factor", 0.5)?),
         })
     }

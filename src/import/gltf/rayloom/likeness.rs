@@ -3,7 +3,7 @@
 use crate::math::Vec3;
 use crate::scene::input::{Channel, Color, NormalInput, Scalar};
 use crate::scene::material::{AlphaMode, MaterialTexture};
-use crate::scene::shader::{Closure, MixFactor, PrincipledClosure};
+use crate::scene::shader::{Closure, MixFactor, PrincipledClosure, RaySort};
 use crate::scene::{Principled, Shader};
 
 /// The likeness of a whole material.
@@ -46,7 +46,11 @@ fn of_closure(closure: &Closure) -> Principled {
         },
         Closure::Hair(_) => Principled { base_color: Vec3::new(0.1, 0.06, 0.04), roughness: 0.4, ..Principled::default() },
         Closure::Mix { factor, a, b } => {
-            let second = matches!(factor, MixFactor::Scalar(s) if number(s) > 0.5);
+            let second = match factor {
+                MixFactor::Scalar(s) => number(s) > 0.5,
+                MixFactor::ByRay(values) => values[RaySort::Camera as usize] > 0.5,
+                _ => false,
+            };
             of_closure(if second { b } else { a })
         }
         Closure::Add(a, b) => {

@@ -20,9 +20,15 @@ pub(super) fn environment<'a>(e: &mut Extension<'a>, r: &Record<'a>, sink: &mut 
     let nodes = r.records("nodes")?;
     let surface = r.index("surface", nodes.len(), "shader node")?;
     let volume = r.index("volume", nodes.len(), "shader node")?;
+    let nodes_len = nodes.len();
     let mut inputs = Inputs { nodes, extension: e, sink, owner: "World".into(), first_uv: 0 };
     if let Some(ix) = surface {
         background_node(&mut inputs, ix, &mut out)?;
+    }
+    if let Some(ix) = r.index("cameraSurface", nodes_len, "shader node")? {
+        let mut seen = Environment::constant(Vec3::ZERO);
+        background_node(&mut inputs, ix, &mut seen)?;
+        out.for_camera = Some(Box::new(seen));
     }
     if let Some(ix) = volume {
         out.volume = inputs.volume(ix, &mut { MAX_CLOSURES })?;

@@ -21,6 +21,8 @@ pub struct ReadyEnvironment {
     pub rotation: DMat3,
     /// Ray kinds that see it.
     pub visibility: Visibility,
+    /// What the camera sees in its place.
+    pub for_camera: Option<Box<ReadyEnvironment>>,
     /// For drawing directions; none where it is met by chance alone.
     pub sampling: Option<Sampling>,
 }
@@ -73,6 +75,7 @@ impl ReadyEnvironment {
                 strength: if plain { scene.background.rgb * (1.0 - scene.background.transmit) } else { Vec3::ONE },
                 rotation: DMat3::IDENTITY,
                 visibility: Visibility::ALL,
+                for_camera: None,
                 sampling: None,
             };
             if !plain {
@@ -94,7 +97,11 @@ impl ReadyEnvironment {
             Kind::Equirect { image, .. } => (image.width, image.height),
             _ => BAKED,
         };
-        let mut ready = Self { kind, strength: e.strength, rotation: e.rotation, visibility: e.visibility, sampling: None };
+        let for_camera = e.for_camera.as_deref().map(|c| {
+            // Met, never drawn.
+            Box::new(Self::of(scene, &Environment { sampled: false, ..c.clone() }))
+        });
+        let mut ready = Self { kind, strength: e.strength, rotation: e.rotation, visibility: e.visibility, for_camera, sampling: None };
         if e.sampled && !matches!(ready.kind, Kind::Constant) && e.strength.max_element() > 0.0 {
             ready.sampling = Some(ready.bake(scene, size));
         }
