@@ -245,6 +245,30 @@ def case_geometry_nodes_and_particles_are_cycles():
     assert (theirs[36:, 48:, 2] > 0.1).sum() > 50, "there is hair"
 
 
+def case_instances_differ_by_their_random_number():
+    """Object Info, Random: a crowd of instances beside Cycles' picture, to the steps that it is rounded to."""
+    scene = new_scene((96, 96))
+    scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 3.2
+    material = emission("Varied", (1, 1, 1))
+    tree = material.node_tree
+    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (1, 0, 0.2, 1), (0, 0.8, 0.2, 1)
+    tree.links.new(tree.nodes.new("ShaderNodeObjectInfo").outputs["Random"], ramp.inputs[0])
+    tree.links.new(ramp.outputs[0], next(n for n in tree.nodes if n.type == "EMISSION").inputs["Color"])
+    source = wall("Source", -0.15, 0.15, -0.15, 0.15, material=material)
+    mesh = bpy.data.meshes.new("Places")
+    mesh.from_pydata([(x * 0.4 - 1.4, 0, z * 0.4 - 1.4) for x in range(8) for z in range(8)], [], [])
+    parent = bpy.data.objects.new("Parent", mesh)
+    scene.collection.objects.link(parent)
+    source.parent, parent.instance_type = parent, "VERTS"
+    ours, theirs = beside_cycles("random", (96, 96), 16)
+    document = module("exporting").export_scene(os.path.join(FOLDER, "random.glb"), scene).gltf.document
+    off = np.abs(ours - theirs)[6::12, 6::12]
+    say(f"off by {off.max():.4f} at most, {off.mean():.4f} in the mean; {len(document['meshes'])} meshes, {len(document['materials'])} materials")
+    assert off.max() < 0.04 and theirs[6::12, 6::12, 0].std() > 0.2 and 8 < len(document["meshes"]) <= 16, off.max()
+    assert any("rounded to 16 steps" in t for t in log_texts()), log_texts()
+
+
 def case_view_layers():
     """Each layer shows its own collections, and is kept apart in a multilayer file."""
     scene = new_scene()
@@ -1087,6 +1111,52 @@ def case_light_paths_are_cycles():
     assert off < 0.02 and np.allclose(ours[1, 1], (0.7, 0.1, 0.9), atol=0.01), (off, ours[1, 1])
 
 
+def case_projected_pictures_are_cycles():
+    """Box, ball and tube projections of a picture, beside Cycles' picture of them."""
+    scene = new_scene((160, 32))
+    scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 5.0
+    image = bpy.data.images.new("quarters", 16, 16, float_buffer=True)
+    u, v = np.meshgrid(np.linspace(0, 1, 16), np.linspace(0, 1, 16))
+    image.pixels.foreach_set(np.stack([u, v, 0.2 + 0 * u, 1 + 0 * u], -1).astype(np.float32).ravel())
+    image.update()
+    choices = (("BOX", 0.0), ("BOX", 0.3), ("BOX", 1.0), ("SPHERE", 0.0), ("TUBE", 0.0))
+    for k, (projection, blend) in enumerate(choices):
+        bpy.ops.mesh.primitive_uv_sphere_add(radius=0.42, segments=24, ring_count=16, location=(k - 2, 0, 0), rotation=(0.4, 0.3, 0.9 * k))
+        bpy.ops.object.shade_smooth()
+        material = emission(f"M{k}", (1, 1, 1))
+        tree = material.node_tree
+        node = tree.nodes.new("ShaderNodeTexImage")
+        node.image, node.projection, node.projection_blend = image, projection, blend
+        tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"], node.inputs["Vector"])
+        tree.links.new(node.outputs["Color"], next(n for n in tree.nodes if n.type == "EMISSION").inputs["Color"])
+        bpy.context.object.data.materials.append(material)
+    ours, theirs = beside_cycles("projected", (160, 32), 16)
+    off = {f"{c[0]} {c[1]}": float(np.abs(ours - theirs)[4:28, 32 * k + 4 : 32 * k + 28].mean()) for k, c in enumerate(choices)}
+    say(", ".join(f"{k} {v:.4f}" for k, v in off.items()))
+    assert theirs.mean() > 0.1 and max(off.values()) < 0.015, off
+
+
+def case_hair_that_varies_along_itself_has_its_mean():
+    """A ramp from root to tip is not followed: its mean is taken, and told."""
+    scene = new_scene((32, 32), samples=16)
+    curves = bpy.data.hair_curves.new("Hair")
+    curves.add_curves([2] * 20)
+    points = np.stack([np.repeat(np.linspace(-1, 1, 20), 2), np.zeros(40), np.tile([-1.0, 1.0], 20)], axis=-1)
+    curves.attributes["position"].data.foreach_set("vector", points.astype(np.float32).ravel())
+    curves.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", np.full(40, 0.08, np.float32))
+    material = emission("H", (1, 1, 1))
+    tree = material.node_tree
+    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (1, 0, 0, 1), (0, 0.5, 1, 1)
+    tree.links.new(tree.nodes.new("ShaderNodeHairInfo").outputs["Intercept"], ramp.inputs[0])
+    tree.links.new(ramp.outputs["Color"], next(n for n in tree.nodes if n.type == "EMISSION").inputs["Color"])
+    curves.materials.append(material)
+    scene.collection.objects.link(bpy.data.objects.new("Hair", curves))
+    p = render()
+    assert np.allclose(p[16, 16, :3], (0.5, 0.25, 0.5), atol=0.02), p[16, 16]
+    assert any("along hairs" in t for t in log_texts()), log_texts()
+
+
 def case_displacement_is_cycles():
     """Bump from displacement, moved vertices and both, under a low sun, beside Cycles' picture."""
     scene = new_scene((192, 72))
@@ -1117,9 +1187,11 @@ def case_displacement_is_cycles():
         a, b = ours[part], theirs[part]
         off[method] = (float(np.abs(a - b).mean()), float(a.mean() / b.mean()), float(b.std()))
     say(", ".join(f"{k}: mean difference {v[0]:.4f}, mean {v[1]:.4f} of Cycles', spread {v[2]:.3f}" for k, v in off.items()))
+    # Cycles 4.2's own bumps are others than 4.5's, by a tenth of the spread.
+    share = 0.15 if bpy.app.version >= (4, 5) else 0.2
     for method, (difference, mean, spread) in off.items():
         # With both, ours has the normals of the surface that was not moved below the bumps, which darkens steep ones.
-        assert spread > 0.03 and difference < 0.15 * spread and abs(mean - 1.0) < (0.05 if method == "BOTH" else 0.03), (method, off[method])
+        assert spread > 0.03 and difference < share * spread and abs(mean - 1.0) < (0.05 if method == "BOTH" else 0.03), (method, off[method])
     assert not [t for t in log_texts() if "isplacement" in t], log_texts()
 
 

@@ -15,6 +15,10 @@ from .world import world_record
 _ROOT_ROTATION = [-0.7071067811865476, 0.0, 0.0, 0.7071067811865476]
 
 
+# Who has a mesh for itself: nobody, an object, instances with about one random number.
+_SHARED, _BY_OBJECT, _BY_INSTANCE = range(3)
+
+
 class Log:
     """What could not be carried: (object, what), each once, in order."""
 
@@ -42,8 +46,7 @@ class Exporter:
         self._meshes, self._materials, self._lights, self._curves = {}, {}, {}, {}
         self._atlases = {}  # by the keys of materials that were baked over faces
         self._displacements = {}  # by the keys of materials
-        self._placed = set()  # keys of materials that look otherwise on every object
-        self._by_object = set()  # keys of meshes that look otherwise on every object
+        self._of_material, self._levels = {}, {}  # who has a material, and a mesh, for itself: by their keys
         self.deforming = {}  # by object: index of the mesh, its layout, numbers of vertices and corners
         self._reported = set()
         self._camera_node = None
@@ -129,12 +132,14 @@ class Exporter:
         known = None
         if shown.key[3] and own:
             # Instances of one object that show one mesh differ in nothing but their place.
-            known = (shown.key[1:3], obj.data.as_pointer())
+            known = (shown.key[1:3], self._mesh_key(shown, own))
             if known in self._known:
                 if self._known[known] is not None:
                     self._known[known].add(shown)
                 return
         made = self._made_mesh(shown, own)
+        if known is not None:
+            known = (shown.key[1:3], self._mesh_key(shown, own))
         hairy = [(k, m) for k, m in enumerate(m for m in obj.modifiers if m.type == "PARTICLE_SYSTEM") if _shows_hair(m)]
         for k, modifier in hairy:
             self._place_particle_hair(shown, modifier, k)
@@ -149,23 +154,26 @@ class Exporter:
             self._known[known] = self._crowds.setdefault(group, crowd.Crowd(made, obj.name, switches))
             self._known[known].add(shown)
 
+    def _mesh_key(self, shown, own):
+        """What a mesh is known by: its data and materials, and where these ask for it, the object, and the step of an instance's random number."""
+        obj = shown.obj
+        slots = tuple(s.material.original.name_full if s.material else None for s in obj.material_slots)
+        shared = (obj.data.as_pointer() if own else obj.original.as_pointer(), slots)
+        level = self._levels.get(shared, _SHARED)
+        step = surroundings.step_of(shown, obj.data) if level == _BY_INSTANCE and own else None
+        return (shared, *((obj.original.name_full, step) if level else ()))
+
     def _made_mesh(self, shown, own):
         """Index of an object's mesh, or `None`. `own`: the mesh is the object's data, not made of it."""
         obj = shown.obj
-        slots = tuple(s.material.original.name_full if s.material else None for s in obj.material_slots)
-        key = (obj.data.as_pointer() if own else obj.original.as_pointer(), slots)
-        of_object = (*key, obj.original.name_full)
-        if key in self._by_object:
-            key = of_object
+        key = self._mesh_key(shown, own)
         if key not in self._meshes:
             self._meshes[key] = None
             data = obj.data if own else obj.to_mesh()
             try:
                 if data is not None:
-                    made, placed = self._mesh(shown, data)
-                    if placed and key != of_object:
-                        self._by_object.add(key)
-                        key = of_object
+                    made, self._levels[key[0]] = self._mesh(shown, data)
+                    key = self._mesh_key(shown, own)
                     self._meshes[key] = made
             finally:
                 if not own:
@@ -173,7 +181,7 @@ class Exporter:
         return self._meshes[key]
 
     def _mesh(self, shown, data):
-        """Index of a mesh, or `None`, and whether another object would show it otherwise."""
+        """Index of a mesh, or `None`, and who has it for itself."""
         obj = shown.obj
         slots = [s.material for s in obj.material_slots] or [None]
         found = [(self._plain(), None) if m is None else self._material(m, shown, data) for m in slots]
@@ -183,13 +191,13 @@ class Exporter:
         displace = (lambda layout: displacement.displaced(layout, data, moves)) if any(moves) else None
         corner_uv = atlas.corner_uv() if atlas else None
         written = mesh.write_mesh(self.gltf, data, materials, obj.data.name if obj.data else obj.name, corner_uv, displace)
-        placed = any(k in self._placed for k in keys)
+        level = max(self._of_material.get(k, _SHARED) for k in keys)
         if written is None:
-            return None, placed
+            return None, level
         ix, layout = written
         if obj.type == "MESH" and motion.deforms(obj):
             self.deforming[obj.original.name_full] = (ix, layout, (len(data.vertices), len(data.loops)))
-        return ix, placed
+        return ix, level
 
     def _plain(self):
         """Index of the material of surfaces that have none."""
@@ -205,7 +213,8 @@ class Exporter:
         uv_names = tuple(layer.name for layer in mesh.ordered_uvs(data)) if data else ()
         color_names = tuple(a.name for a in mesh.ordered_colors(data)) if data else ()
         layers = (uv_names, color_names)
-        for key in ((name,), (name, layers), (name, layers, of_object)):
+        of_instance = (name, layers, of_object, surroundings.step_of(shown, data))
+        for key in ((name,), (name, layers), (name, layers, of_object), of_instance):
             if key in self._materials:
                 return self._materials[key], key
 
@@ -215,13 +224,14 @@ class Exporter:
         around = surroundings.Surroundings(self.gltf, self.images, self.grids, mat, data, shown, tell)
         record, names_layers, moves = material.material_record(mat, around, self.images, uv_names, color_names)
         key = (name, layers, of_object) if around.used or moves else (name, layers) if names_layers else (name,)
+        key = of_instance if around.varied else key
         self._materials[key] = self.gltf.append("materials", record)
         if around.baked_surface is not None:
             self._atlases[key] = around.baked_surface.atlas
         if moves:
             self._displacements[key] = moves
-        if around.placed or (moves and moves.in_world):
-            self._placed.add(key)
+        placed = around.placed or (moves is not None and moves.in_world)
+        self._of_material[key] = _BY_INSTANCE if around.varied else _BY_OBJECT if placed else _SHARED
         return self._materials[key], key
 
     def _place_light(self, shown):

@@ -14,16 +14,32 @@ from .mesh import ordered_colors, ordered_uvs, positions_of, read_array
 _ASKING = {"image", "attribute", "meshAttribute", "objectAttribute", "objectInfo", "geometry"}
 
 
+# Most sorts of instances that a random number makes of one object, and triangles of all together. Picked by feel.
+RANDOM_STEPS, RANDOM_TRIANGLES = 16, 2_000_000
+
+
+def random_steps(mesh):
+    """Into how many steps random numbers of a mesh's instances are rounded: every step is a mesh of its own."""
+    return max(1, min(RANDOM_STEPS, RANDOM_TRIANGLES // max(1, 2 * len(mesh.polygons)))) if mesh is not None else 1
+
+
+def step_of(shown, mesh):
+    """The step of an instance; `None` of an object that is none."""
+    steps = random_steps(mesh)
+    return min(int(shown.random * steps), steps - 1) if shown.key[3] else None
+
+
 class Surroundings:
     """What there is to bake over: the mesh of one object.
 
-    `used`: something was asked of the mesh; `placed`: of the object, so that another with the same mesh shows something else.
+    `used`: something was asked of the mesh; `placed`: of the object, so that another with the same mesh shows something else; `varied`: of the
+    instance, likewise.
     """
 
     def __init__(self, gltf, images, grids, material, mesh, shown, log):
         self.gltf, self.images, self.grids = gltf, images, grids
         self.material, self.mesh, self.shown, self.log = material, mesh, shown, log
-        self.used = self.placed = False
+        self.used = self.placed = self.varied = False
         self._pixels = {}
         self.baked_surface = None
 
@@ -62,6 +78,8 @@ class Surroundings:
             return (p - np.array(self.mesh.texspace_location)) / (2.0 * size) + 0.5
         if source == "position":
             self.placed = True
+            if self.shown.key[3]:
+                self.log("all instances are baked where the first stands")
             return affine([v for row in self.shown.matrix[:3] for v in row], p)
         raise Unknown(f"coordinates of source {source}")
 
@@ -82,6 +100,10 @@ class Surroundings:
         if kind == "layerWeight" or kind == "fresnel":
             self.log(f"the {'Fresnel' if kind == 'fresnel' else 'Layer Weight'} node is taken at its mean angle")
             return seen_at_mean_angle(node, output)
+        if kind == "curvesInfo":
+            along = np.linspace(0.0, 1.0, 64, dtype=np.float32)
+            hair = {"intercept": along, "random": (along * 63 * 0.618034) % 1.0, "isStrand": 1.0}
+            return hair.get(output, 0.0) if self.mesh is None else 0.0
         if kind == "geometry" and output == "backfacing":
             return 0.0
         raise Unknown(kind)
@@ -90,9 +112,12 @@ class Surroundings:
         obj = self.shown.obj
         self.placed = True
         if output == "random":
-            if self.shown.key[3]:
-                self.log("all instances have the random number of the first")
-            return self.shown.random
+            self.varied = bool(self.shown.key[3])
+            if not self.varied:
+                return self.shown.random
+            steps = random_steps(self.mesh)
+            self.log(f"random numbers of instances are rounded to {steps} steps")
+            return (step_of(self.shown, self.mesh) + 0.5) / steps
         if output == "materialIndex":
             return float(self.material.pass_index)
         return {

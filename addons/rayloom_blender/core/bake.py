@@ -36,7 +36,7 @@ def encoded(pixels, is_color):
 class Baker:
     """Bakes for one object.
 
-    `surroundings` has `about(node, output)` (core/evaluate.py), `uv_box(set)` → ((u0, v0), (u1, v1)) or `None`; `body()` → (low, high) corners in object space or `None`;
+    `surroundings` has `log(what)`, `about(node, output)` (core/evaluate.py), `uv_box(set)` → ((u0, v0), (u1, v1)) or `None`; `body()` → (low, high) corners in object space or `None`;
     `points(source, p)` → coordinates of a source at object space points (n, 3); `image(index)` → linear RGBA; `shape(nodes)` → arrays that say all that these nodes ask of the
     mesh, or `None` where they ask for more; `add_file(data, mime, space)` and `add_grid(values, resolution, body)` → indices; `surface()` → an [`Atlas`](atlas.py) with `points(source, set)` and `about` at its samples and the
     `uv_set` that shows it, or `None`.
@@ -51,13 +51,11 @@ class Baker:
         where = [n["coordinates"] for n in used if isinstance(n.get("coordinates"), dict) and "source" in n["coordinates"]]
         sets = {w.get("uvSet", 0) for w in where if w["source"] == "uv"}
         names = ", ".join(sorted({n["type"] for n in used if n["type"] not in {"vector", "separate", "combine", "math"}}))
-        on_faces = any(n["type"] in ON_FACES for n in used)
+        on_faces = any(n["type"] in ON_FACES or n.get("projection") == "box" for n in used)
         box = self.at.uv_box(min(sets)) if len(sets) == 1 and all(w["source"] == "uv" for w in where) and not on_faces else None
         try:
             if not where and not on_faces:
-                same = self._same_everywhere(nodes, value, is_color)
-                if same is not None:
-                    return same
+                return self._same_everywhere(nodes, value, is_color)
             if box is not None:
                 return self._picture(nodes, value, used, min(sets), box, add, log, names, is_color)
             surface = self.at.surface()
@@ -69,10 +67,11 @@ class Baker:
             return 0.5
 
     def _same_everywhere(self, nodes, value, is_color):
-        """The value of what asks nothing of the place; `None` where it does so after all."""
+        """The value of what asks nothing of the place; the mean over hairs."""
         out = Evaluator(nodes, None, self.at.image, self.at.about).value(value)
         if out.ndim > 1 or (out.ndim == 1 and len(out) != 3):
-            return None
+            self.at.log("varies along hairs; its mean is taken")
+            out = (as_color(out) if is_color else as_number(out)).mean(axis=0)
         return [float(v) for v in as_color(out)] if is_color else float(as_number(out))
 
     def _picture(self, nodes, value, used, uv_set, box, add, log, names, is_color):

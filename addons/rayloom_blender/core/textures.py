@@ -123,12 +123,51 @@ def _gradient(e, node, output):
 
 
 def _image(e, node, output):
-    if e._image is None or node.get("projection", "flat") != "flat":
+    if e._image is None:
         raise Unknown("image")
     pixels = e._image(node["image"])
     p = e.coordinates(node)
-    out = sample(pixels, p[:, 0], p[:, 1], node.get("extension", "repeat"), node.get("interpolation", "linear") == "closest")
+    look = lambda u, v: sample(pixels, u, v, node.get("extension", "repeat"), node.get("interpolation", "linear") == "closest")  # noqa: E731
+    projection = node.get("projection", "flat")
+    if projection == "flat":
+        out = look(p[:, 0], p[:, 1])
+    elif projection == "box":
+        n = e._points("normal", 0)
+        weights, side = box_weights(n, node.get("blend", 0.0)), n < 0.0
+        x, y, z = p.T
+        faces = (look(np.where(side[:, 0], 1.0 - y, y), z), look(np.where(side[:, 1], x, 1.0 - x), z), look(np.where(side[:, 2], y, 1.0 - y), x))
+        out = sum(w[:, None] * f for w, f in zip(weights.T, faces))
+    else:
+        x, y, z = (2.0 * p - 1.0).T
+        v = np.arcsin(np.clip(z / np.maximum(np.linalg.norm([x, y, z], axis=0), 1e-12), -1.0, 1.0)) / np.pi + 0.5 if projection == "sphere" else (z + 1.0) * 0.5
+        out = look(0.5 - np.arctan2(x, y) / (2.0 * np.pi), v)
     return out[:, 3] if output == "alpha" else out[:, :3]
+
+
+def box_weights(normals, blend):
+    """How much each of three pairs of a box's sides shows at normals (n, 3): one, near edges two mixed over `blend`, at corners three."""
+    n = np.abs(normals)
+    n = n / np.maximum(n.sum(axis=1, keepdims=True), 1e-12)
+    limit = 0.5 * (1.0 + blend)
+    out = np.zeros_like(n)
+    left = np.ones(len(n), bool)
+    for k in range(3):
+        a, b = (k + 1) % 3, (k + 2) % 3
+        alone = left & (n[:, k] > limit * (n[:, k] + n[:, a])) & (n[:, k] > limit * (n[:, k] + n[:, b]))
+        out[alone, k] = 1.0
+        left &= ~alone
+    if blend <= 0.0:
+        out[left, n[left].argmax(axis=1)] = 1.0
+        return out
+    # The side that is farthest away last: z, x, y.
+    for k in (2, 0, 1):
+        a, b = (k + 1) % 3, (k + 2) % 3
+        two = left & (n[:, k] < (1.0 - limit) * (n[:, a] + n[:, b]))
+        share = np.clip((n[two, a] / np.maximum(n[two, a] + n[two, b], 1e-12) - 0.5 * (1.0 - blend)) / blend, 0.0, 1.0)
+        out[two, a], out[two, b] = share, 1.0 - share
+        left &= ~two
+    out[left] = ((2.0 - limit) * n[left] + (limit - 1.0)) / (2.0 * limit - 1.0)
+    return out
 
 
 def _environment(e, node, output):
