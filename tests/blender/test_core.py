@@ -174,10 +174,53 @@ class Around:
         return len(self.grids) - 1
 
 
+class Textures(unittest.TestCase):
+    def test_values_are_those_measured_in_blender(self):
+        # By geometry nodes of bpy 4.5.15 (pcg: 5.0.1) at two points; tests/blender/trees.py has hundreds more, for where Blender is.
+        points = np.array([(0.3, 0.7, 1.9), (-2.6, 0.1, 0.4)], np.float32)
+        measured = (
+            ({"type": "noise", "scale": 2.0, "dimensions": 4, "w": 0.7, "distortion": 0.5}, "color", [[0.36437, 0.5012, 0.5447], [0.50396, 0.40916, 0.50153]]),
+            ({"type": "noise", "kind": "ridgedMultifractal", "scale": 2.0, "dimensions": 2, "offset": 0.8, "gain": 1.2}, "fac", [0.11573, 0.52641]),
+            ({"type": "voronoi", "hash": "jenkins", "scale": 2.0}, "color", [[0.48047, 0.60001, 0.0286], [0.12301, 0.98637, 0.95256]]),
+            ({"type": "voronoi", "hash": "jenkins", "scale": 2.0, "feature": "smoothF1", "metric": "manhattan", "smoothness": 0.7}, "distance", [0.44817, 0.54712]),
+            ({"type": "voronoi", "hash": "jenkins", "scale": 2.0, "feature": "distanceToEdge", "dimensions": 2, "detail": 1.5, "normalize": True}, "distance", [0.17043, 0.07648]),
+            ({"type": "wave", "scale": 1.5, "kind": "rings", "direction": "z", "profile": "tri", "distortion": 2.0}, "fac", [0.84152, 0.97818]),
+            ({"type": "magic", "scale": 1.5, "depth": 5, "distortion": 1.3}, "color", [[0.73932, 0.96646, 0.08529], [0.9881, 0.35875, 0.9909]]),
+            ({"type": "brick", "scale": 2.0, "color1": [1, 0, 0], "color2": [0, 1, 0], "mortar": [0, 0, 1], "mortarSize": 0.05, "mortarSmooth": 0.5, "bias": 0.1, "offset": 0.5, "offsetFrequency": 2, "squash": 0.8, "squashFrequency": 3}, "color", [[0.17544, 0.82456, 0.0], [0.17011, 0.82989, 0.0]]),
+            ({"type": "voronoi", "hash": "pcg", "scale": 2.0}, "color", [[0.48369, 0.06545, 0.55363], [0.20645, 0.17421, 0.54044]]),
+            ({"type": "voronoi", "hash": "pcg", "scale": 2.0, "feature": "smoothF1", "metric": "manhattan", "smoothness": 0.7}, "distance", [0.61355, 0.64655]),
+            ({"type": "voronoi", "hash": "pcg", "scale": 2.0, "feature": "distanceToEdge", "dimensions": 2, "detail": 1.5, "normalize": True}, "distance", [0.11898, 0.16492]),
+        )
+        for node, output, expected in measured:
+            value = evaluate.Evaluator([node], lambda source, uv: points).value({"node": 0, "output": output})
+            np.testing.assert_allclose(value, expected, atol=2e-5, err_msg=repr(node))
+
+
+class Rays(unittest.TestCase):
+    def test_a_shader_that_asks_for_the_ray_is_mixed_of_what_each_ray_sees(self):
+        nodes = [
+            {"type": "lightPath"},
+            {"type": "math", "operation": "multiply", "a": {"node": 0, "output": "isCameraRay"}, "b": 4.0},
+            {"type": "emission", "color": [1, 1, 1], "strength": {"node": 1}},
+        ]
+        told = []
+        lowering = lower.Lowering(nodes, bake.Baker(Around()), told.append)
+        out = lowering.out
+        root = out[lowering.surface(2)]
+        self.assertEqual((root["type"], out[root["a"]]["strength"], out[root["b"]]["strength"], told), ("mix", 0.0, 4.0, []))
+        self.assertEqual(out[root["factor"]["node"]], {"type": "lightPath", "camera": 1.0})
+
+
 class Atlases(unittest.TestCase):
     def test_no_triangle_writes_into_another_and_all_that_is_mixed_is_its_own(self):
-        for n in (1, 2, 9, 500, 5000, 60_000):
+        sides, atlas.SIDES = atlas.SIDES, (64, 128)
+        self.addCleanup(setattr, atlas, "SIDES", sides)
+        borders = set()
+        # Cells from 64 texels down to the least.
+        for n in (1, 2, 9, 40, 120, 500, 800, 1200):
             a = atlas.Atlas(n)
+            self.assertTrue(a.fits)
+            borders.add(a.border)
             triangle, weights, rows, columns = a.samples()
             place = rows * a.side + columns
             self.assertEqual(len(np.unique(place)), len(place), n)
@@ -194,6 +237,8 @@ class Atlases(unittest.TestCase):
                 for i in (np.floor(x + 1e-3), np.ceil(x - 1e-3)):
                     for j in (np.floor(y + 1e-3), np.ceil(y - 1e-3)):
                         self.assertTrue((owner[j.astype(int), i.astype(int)] == np.arange(n)[:, None]).all(), (n, dx, dy))
+        self.assertEqual(borders, {0, 1})
+        self.assertFalse(atlas.Atlas(2000).fits)
 
 
 class Shaders(unittest.TestCase):

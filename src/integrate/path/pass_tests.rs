@@ -237,5 +237,6 @@ fn a_shader_knows_which_sort_of_ray_meets_it_and_the_camera_sees_its_own_world()
     let mut floored = scene(vec![floor(0.5)], vec![], Vec3::ONE);
     floored.environment = Some(world);
     let lit = rgb(&render(&floored, 64), Pass::DiffuseDirect, 5);
-    assert!((lit - Vec3::ONE).abs().max_element() < 0.05, "{lit}: the floor is lit by the other");
+    // Albedo times the light of the other world.
+    assert!((lit - Vec3::splat(0.5)).abs().max_element() < 0.03, "{lit}: the floor is lit by the other");
 }
