@@ -11,7 +11,7 @@ use super::{Backend, BackendError, Progress};
 use crate::compile::CompiledScene;
 use crate::film::Film;
 use crate::integrate::antialias::{Block, Sample, blocks};
-use crate::integrate::classic::{ScenePlan, Tracer, pretrace_in_order, pretrace_side_by_side};
+use crate::integrate::classic::{PhotonMaps, ScenePlan, Tracer, pretrace_in_order, pretrace_side_by_side};
 use crate::integrate::samples::sample_position;
 use crate::integrate::{IntegratorKind, RenderSettings};
 use rayon::prelude::*;
@@ -51,13 +51,19 @@ impl Backend for CpuBackend {
             let pool = pool_of(settings.threads.clamp(1, self.threads))?;
             return render_paths(scene, settings, &pool, film, progress, cancel);
         }
-        let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
+        let mut plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
         let ordered = settings.in_order && ScenePlan::needs_ordered_rays(scene);
         let threads = if ordered { 1 } else { settings.threads.clamp(1, self.threads) };
         let pool = pool_of(threads)?;
         if ordered {
             // Streams of random numbers cannot be picked up in the middle.
             clear(film, settings.crop);
+        }
+        if PhotonMaps::are_asked_for(scene, &plan) {
+            let told = |done, total| progress.photons(done, total);
+            let maps = pool.install(|| PhotonMaps::shoot(scene, &plan, settings.in_order, &told, cancel))?;
+            progress.photons_at_rest(&maps.stats);
+            plan.photons = Some(Box::new(maps)).filter(|m| !m.is_empty());
         }
         let (all, n_finished) = unfinished_blocks(film, settings);
         let done = AtomicU64::new(n_finished);

@@ -11,6 +11,7 @@ pub use unfinished::unfinished_blocks;
 use crate::compile::CompiledScene;
 use crate::film::Film;
 use crate::integrate::RenderSettings;
+use crate::integrate::classic::{PhotonError, PhotonStats};
 use std::sync::atomic::AtomicBool;
 
 /// Why a picture could not be finished.
@@ -32,6 +33,9 @@ pub enum BackendError {
         /// Bytes.
         limit: u64,
     },
+    /// Photons could not be shot.
+    #[error(transparent)]
+    Photons(#[from] PhotonError),
     /// The scene uses something that this machine cannot render; the caller falls back.
     #[error("not on this device: {0}")]
     Unsupported(String),
@@ -41,6 +45,10 @@ pub enum BackendError {
 pub trait Progress: Sync {
     /// `done` of `total` pixels (times passes) are finished.
     fn pixels(&self, done: u64, total: u64);
+    /// `done` of about `total` photons are shot, before the first pixel.
+    fn photons(&self, _done: u64, _total: u64) {}
+    /// All photons are where they stay.
+    fn photons_at_rest(&self, _stats: &PhotonStats) {}
     /// The picture so far, each time that something came to it. Who hears it holds up a thread: most calls must return at once.
     fn picture(&self, _film: &Film) {}
 }

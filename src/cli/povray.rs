@@ -182,9 +182,13 @@ fn statistics(job: &Job, o: &Outcome) -> String {
     let [objects, prims, lights] = o.counts;
     let [load, compile, trace, write] = o.seconds;
     let r = &job.render;
+    let photons = o.photons.map_or(String::new(), |p| {
+        let media = if p.in_media > 0 { format!("Media photons stored:       {:>12}\n", p.in_media) } else { String::new() };
+        format!("Number of photons shot:     {:>12}\nSurface photons stored:     {:>12}\n{media}{dashes}\n", p.shot, p.on_surfaces)
+    });
     format!(
         "{dashes}\nRender Statistics\nImage Resolution {} x {}\n{dashes}\n\
-         Objects: {objects}   Primitives: {prims}   Light Sources: {lights}\n{dashes}\n\
+         Objects: {objects}   Primitives: {prims}   Light Sources: {lights}\n{dashes}\n{photons}\
          Parse Time: {load:.3} seconds   Bounding Time: {compile:.3} seconds\n\
          Trace Time: {trace:.3} seconds on {}   Write Time: {write:.3} seconds\n{}",
         r.width,
@@ -207,6 +211,19 @@ struct PovListener<'o> {
 const PAUSE: Duration = Duration::from_millis(500);
 
 impl PovListener<'_> {
+    fn progress(&self, what: &str, done: u64, total: u64, of: &str) {
+        if !self.options.verbose {
+            return;
+        }
+        let Ok(mut last) = self.last.try_lock() else { return };
+        if done < total && last.is_some_and(|l| l.elapsed() < PAUSE) {
+            return;
+        }
+        *last = Some(Instant::now());
+        let end = if done >= total { "\n" } else { "\r" };
+        self.streams.write(StreamKind::Render, &format!("{what} {done} of {total} {of} ({}%){end}", 100 * done / total.max(1)));
+    }
+
     fn heading(&self, job: &Job, frame: &Frame) -> String {
         let [x0, y0, x1, y1] = job.render.crop;
         let paths: String = job.source.library_paths.iter().map(|p| format!("    {}\n", p.display())).collect();
@@ -257,15 +274,10 @@ impl Listener for PovListener<'_> {
     }
 
     fn pixels(&self, done: u64, total: u64) {
-        if !self.options.verbose {
-            return;
-        }
-        let Ok(mut last) = self.last.try_lock() else { return };
-        if done < total && last.is_some_and(|l| l.elapsed() < PAUSE) {
-            return;
-        }
-        *last = Some(Instant::now());
-        let end = if done >= total { "\n" } else { "\r" };
-        self.streams.write(StreamKind::Render, &format!("Rendered {done} of {total} pixels ({}%){end}", 100 * done / total.max(1)));
+        self.progress("Rendered", done, total, "pixels");
+    }
+
+    fn photons(&self, done: u64, total: u64) {
+        self.progress("Shot", done, total, "photons");
     }
 }

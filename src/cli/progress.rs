@@ -69,6 +69,21 @@ impl ProgressView {
         }
     }
 
+    /// `done` of about `total` photons are shot.
+    pub fn photons(&self, done: u64, total: u64) {
+        if let Some(bar) = &self.bar {
+            bar.set_length(total);
+            bar.set_position(done);
+        }
+        if let Some(last) = &self.json
+            && let Ok(mut last) = last.lock()
+            && last.elapsed() >= JSON_PAUSE
+        {
+            *last = Instant::now();
+            self.event(&serde_json::json!({"event": "photons", "done": done, "total": total}));
+        }
+    }
+
     /// So much of the denoising is done, 0..1.
     pub fn denoised(&self, share: f64) {
         if let Some(last) = &self.json

@@ -290,6 +290,9 @@ fn report(args: &RenderArgs, job: &Job, o: &Outcome, view: &ProgressView) -> Res
     let stats = serde_json::json!({
         "scene": job.source.path, "output": o.written, "device": o.device,
         "width": job.render.width, "height": job.render.height,
+        "photons": o.photons.map(|p| serde_json::json!({
+            "shot": p.shot, "on_surfaces": p.on_surfaces, "in_media": p.in_media, "radius": p.radius, "media_radius": p.media_radius,
+        })),
         "denoised": o.denoised.as_ref().map(|d| &d.0), "denoise_seconds": o.denoised.as_ref().map(|d| d.1),
         "samples": {"least": least, "mean": mean, "most": most, "time_limit_reached": o.limited},
         "objects": o.counts[0], "primitives": o.counts[1], "lights": o.counts[2],

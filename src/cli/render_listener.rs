@@ -48,6 +48,10 @@ impl Listener for RenderListener {
         self.view.pixels(done, total);
     }
 
+    fn photons(&self, done: u64, total: u64) {
+        self.view.photons(done, total);
+    }
+
     fn denoised(&self, share: f64) {
         self.view.denoised(share);
     }

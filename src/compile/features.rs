@@ -23,7 +23,7 @@ pub(super) fn find(scene: &CompiledScene) -> FeatureSet {
     f.rainbow = !scene.rainbows.is_empty();
     f.sky = scene.sky.is_some();
     f.radiosity = scene.settings.radiosity.is_some();
-    f.photons = scene.settings.photons.is_some();
+    f.photons = scene.settings.photons.is_some() && scene.options.quality >= 9 && !g.photon_targets.is_empty();
     for t in &scene.textures.finishes {
         f.reflection |= t.reflection.max != crate::math::Vec3::ZERO || t.reflection.min != crate::math::Vec3::ZERO;
         f.highlights |= t.phong != 0.0 || t.specular != 0.0;

@@ -4,7 +4,7 @@
 //! its clip program and its bounds from the nodes above it. Source: spec/objects.md, section 13.
 
 use super::extent::pov_extent_in;
-use super::geometry::{Geometry, InsideProgram, ObjectRecord, Prim, PrimKind, Surface, prim_flags};
+use super::geometry::{Geometry, InsideProgram, ObjectRecord, PhotonTarget, Prim, PrimKind, Surface, prim_flags};
 use super::half_spaces::{HalfSpace, MOST as MAX_HALF_SPACES, shrunk};
 use super::leaf::{Degenerate, Leaf, LeafTables, add_glyph, add_leaf, padded};
 use super::motion::Motion;
@@ -105,6 +105,8 @@ struct Inherited {
     /// `prim_flags` that are on.
     flags: u32,
     group_ix: u32,
+    /// Photons are shot at this very object as a whole; their spacing.
+    aimed_at: Option<f64>,
     depth: usize,
 }
 
@@ -217,7 +219,7 @@ impl Flattener {
             return Err(CompileError::TooDeep { depth: entered.depth, limit: MAX_NESTING });
         }
         let plain = object.clipped_by.is_empty() && !object.flags.inverse;
-        let inside = entered.descend(object);
+        let inside = entered.dissolve(object);
         match &object.shape {
             Shape::Csg { op: Csg::Union, children } if plain && object.bounded_by.is_empty() && object.flags.split_union != Some(false) => {
                 children.iter().try_for_each(|c| self.top_level(c, &inside, role))
@@ -231,6 +233,19 @@ impl Flattener {
             }
             Shape::Light(light) => self.light(light, &inside),
             _ => self.record(object, &entered, role).map(|_| ()),
+        }
+    }
+
+    /// Notes that photons are shot at an object whose primitives begin at `first`. Lights of light groups shoot none, so that what the
+    /// scene's lights do not reach is no target.
+    fn photon_target(&mut self, object: &Object, entered: &Inherited, first: u32) {
+        let (flags, prims) = (entered.flags, first..self.geometry.prims.len() as u32);
+        if let Some(spacing) = entered.aimed_at
+            && flags & (prim_flags::HIDDEN | prim_flags::NO_GLOBAL_LIGHTS) == 0
+            && !prims.is_empty()
+        {
+            let bounds = pov_extent_in(object, &entered.to_world);
+            self.geometry.photon_targets.push(PhotonTarget { prims, bounds, spacing, flags });
         }
     }
 
@@ -307,6 +322,7 @@ impl Flattener {
         }
         i.flags |= if object.traits.shadow_catcher { 0 } else { prim_flags::NO_CATCHER };
         i.flags |= if object.traits.motion.len() > 1 { prim_flags::MOVING } else { 0 };
+        i.enter_photons(&object.photons);
         i.hollow = f.hollow.or(i.hollow);
         if role == Role::Visible
             && let Some(interior) = &object.interior
@@ -503,6 +519,7 @@ impl Flattener {
             self.apply_bounds(object, &clip_space, &mut node)?;
         }
         node.prims = first..self.geometry.prims.len() as u32;
+        self.photon_target(object, entered, first);
         self.nodes.push(node);
         Ok(Some(self.nodes.len() - 1))
     }
@@ -828,6 +845,38 @@ fn open_ended(b: Bounds) -> Bounds {
 }
 
 impl Inherited {
+    /// What the object says counts where nothing above it says otherwise.
+    fn enter_photons(&mut self, p: &scene::object::PhotonFlags) {
+        for (value, on, off) in [
+            (p.reflection, prim_flags::PHOTON_REFLECTION, prim_flags::PHOTON_NO_REFLECTION),
+            (p.refraction, prim_flags::PHOTON_REFRACTION, prim_flags::PHOTON_NO_REFRACTION),
+            (p.collect, 0, prim_flags::PHOTON_NO_COLLECT),
+            (p.pass_through, prim_flags::PHOTON_PASS_THROUGH, 0),
+        ] {
+            if self.flags & (on | off) == 0 {
+                self.flags |= match value {
+                    Some(true) => on,
+                    Some(false) => off,
+                    None => 0,
+                };
+            }
+        }
+        // Within a target all is one target; a dissolved one has handed itself down.
+        if self.flags & prim_flags::PHOTON_TARGET == 0 {
+            self.aimed_at = p.target;
+            self.flags |= if p.target.is_some() { prim_flags::PHOTON_TARGET } else { 0 };
+        }
+        // Photons cannot go on straight and be bent at once.
+        let both = prim_flags::PHOTON_TARGET | prim_flags::PHOTON_PASS_THROUGH;
+        if self.flags & both == both && self.flags & prim_flags::PHOTON_NO_REFRACTION == 0 {
+            if self.flags & prim_flags::PHOTON_REFRACTION == 0 {
+                self.flags |= prim_flags::PHOTON_NO_REFRACTION;
+            } else {
+                self.flags &= !prim_flags::PHOTON_PASS_THROUGH;
+            }
+        }
+    }
+
     fn top() -> Self {
         Self {
             to_world: Transform::IDENTITY,
@@ -837,12 +886,18 @@ impl Inherited {
             hollow: None,
             flags: 0,
             group_ix: NONE,
+            aimed_at: None,
             depth: 0,
         }
     }
 
+    /// The same for what `object` is dissolved into: where it is a photon target, each part is one.
+    fn dissolve(&self, object: &Object) -> Self {
+        Self { aimed_at: self.aimed_at, ..self.descend(object) }
+    }
+
     /// The same for what stands inside `object`'s shape.
     fn descend(&self, object: &Object) -> Self {
-        Self { to_world: object.transform.then(&self.to_world), ..self.clone() }
+        Self { to_world: object.transform.then(&self.to_world), aimed_at: None, ..self.clone() }
     }
 }

@@ -82,6 +82,17 @@ pub mod prim_flags {
     pub const MOVING: u32 = 1 << 19;
     /// No shadow catcher.
     pub const NO_CATCHER: u32 = 1 << 20;
+    /// Photons: said to reflect or refract them, said not to (both may stand: then it does not).
+    pub const PHOTON_REFLECTION: u32 = 1 << 21;
+    pub const PHOTON_NO_REFLECTION: u32 = 1 << 22;
+    pub const PHOTON_REFRACTION: u32 = 1 << 23;
+    pub const PHOTON_NO_REFRACTION: u32 = 1 << 24;
+    /// Keeps no photons and shows none.
+    pub const PHOTON_NO_COLLECT: u32 = 1 << 25;
+    /// Photons go straight on to their target.
+    pub const PHOTON_PASS_THROUGH: u32 = 1 << 26;
+    /// Part of a photon target.
+    pub const PHOTON_TARGET: u32 = 1 << 27;
 }
 
 /// One leaf of the scene.
@@ -191,6 +202,19 @@ pub struct ObjectRecord {
     pub motion: Option<Motion>,
 }
 
+/// What photons are shot at.
+#[derive(Clone, Debug)]
+pub struct PhotonTarget {
+    /// Its primitives, clip objects among them.
+    pub prims: std::ops::Range<u32>,
+    /// World box as POV-Ray has it.
+    pub bounds: Bounds,
+    /// Multiplies the distance between photons.
+    pub spacing: f64,
+    /// Its own [`prim_flags`]; those of its parts may say more.
+    pub flags: u32,
+}
+
 /// How much there is to intersect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GeometrySize {
@@ -235,6 +259,8 @@ pub struct Geometry {
     pub clip_boxes: Vec<Bounds>,
     /// Top-level objects in the order of the file (unions dissolved), hidden ones among them.
     pub objects: Vec<ObjectRecord>,
+    /// What photons are shot at, in the order of the file.
+    pub photon_targets: Vec<PhotonTarget>,
     /// Visible objects made of shapes that have an inside, with the box of that inside, in the order of the file.
     pub solids: Vec<(Bounds, u32)>,
     /// Tree over the boxes of `solids`, for points that may be in any of them.

@@ -292,10 +292,7 @@ pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -
         compiled.settings.adc_bailout = 0.0;
     }
     // Each has its line in UNSUPPORTED.md.
-    let left_out = [
-        ("photons", compiled.features.photons, "photons are not traced: caustics that they would make are missing"),
-        ("subsurface", compiled.features.subsurface, "subsurface light is not traced: such finishes look like plain ones"),
-    ];
+    let left_out = [("subsurface", compiled.features.subsurface, "subsurface light is not traced: such finishes look like plain ones")];
     for (key, used, message) in left_out {
         if used {
             sink.note_once(key, None, message);

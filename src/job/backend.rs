@@ -1,6 +1,6 @@
 //! Which machine renders, and what is told when it is not the one asked for.
 
-use super::{Job, Listener, Pixels, Stage, tell};
+use super::{Job, Listener, Outcome, Pixels, Stage, tell};
 use crate::backend::cpu::CpuBackend;
 use crate::backend::{Backend, BackendError};
 use crate::compile::CompiledScene;
@@ -22,25 +22,27 @@ pub enum BackendChoice {
     Gpu,
 }
 
-/// Renders on the machine that the job asks for; `device` gets its name.
+/// Renders on the machine that the job asks for; `outcome` gets its name and what it counted.
 pub(super) fn render(
     job: &Job,
     scene: &CompiledScene,
     film: &mut Film,
-    device: &mut String,
+    outcome: &mut Outcome,
     sink: &mut Sink,
     map: &SourceMap,
     listener: &dyn Listener,
     cancel: &AtomicBool,
 ) -> Result<(), BackendError> {
     // The limit is that of machines that have none of their own.
+    let pixels = Pixels::new(listener);
+    let device = &mut outcome.device;
     let mut on = |machine: &dyn Backend, film: &mut Film, limit: Option<Duration>| {
         *device = machine.name();
         let resumed_pixels = film.samples.iter().filter(|n| **n > 0).count() as u64;
         listener.stage(&Stage::Rendering { device: machine.name(), resumed_pixels });
         match limit {
-            None => machine.render(scene, &job.render, film, &Pixels(listener), cancel),
-            Some(limit) => super::timed::render(machine, scene, &job.render, limit, film, &Pixels(listener), cancel),
+            None => machine.render(scene, &job.render, film, &pixels, cancel),
+            Some(limit) => super::timed::render(machine, scene, &job.render, limit, film, &pixels, cancel),
         }
     };
     if job.render.integrator == IntegratorKind::Path {
@@ -89,7 +91,9 @@ pub(super) fn render(
         film.layers = Film::with_passes(film.width, film.height, job.render.passes).layers;
     }
     tell(sink, map, listener);
-    on(&CpuBackend::new(job.render.threads), film, None)
+    on(&CpuBackend::new(job.render.threads), film, None)?;
+    outcome.photons = pixels.photons();
+    Ok(())
 }
 
 /// A GPU: for `auto` a real one only, since software drivers are slower than the CPU back end.

@@ -23,12 +23,14 @@ use crate::denoise::DenoiseError;
 use crate::diag::{Diagnostic, Sink, SourceMap};
 use crate::film::{CatcherView, Film, FilmError};
 use crate::import::ImportError;
+use crate::integrate::classic::PhotonStats;
 use crate::integrate::{NoiseLimit, RenderSettings};
 use crate::lang::Stream;
 use crate::scene::denoise::DenoiseSettings;
 use crate::scene::{Pass, PassSet};
 use crate::world::WorldError;
 use std::path::PathBuf;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -91,6 +93,8 @@ pub trait Listener: Sync {
     fn text(&self, stream: Stream, text: &str);
     /// `done` of `total` pixels are finished.
     fn pixels(&self, done: u64, total: u64);
+    /// `done` of about `total` photons are shot, before the first pixel.
+    fn photons(&self, _done: u64, _total: u64) {}
     /// So much of the denoising is done, 0..1.
     fn denoised(&self, _share: f64) {}
     /// The finished picture, before it is written.
@@ -116,6 +120,8 @@ pub struct Outcome {
     pub counts: [usize; 3],
     /// Samples of a pixel: fewest, mean, most.
     pub samples: (u32, f64, u32),
+    /// The photons of the scene, if it has any.
+    pub photons: Option<PhotonStats>,
     /// A time limit ended the rendering.
     pub limited: bool,
     /// How the picture was denoised, if it was, and the seconds that it took.
@@ -241,7 +247,7 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     let fingerprint = resume::fingerprint(job, &map);
     let mut film = resume::film(job, &fingerprint, &mut sink);
     let start = Instant::now();
-    let result = backend::render(job, &compiled, &mut film, &mut outcome.device, &mut sink, &map, listener, cancel);
+    let result = backend::render(job, &compiled, &mut film, &mut outcome, &mut sink, &map, listener, cancel);
     let spent = start.elapsed();
     tell(&mut sink, &map, listener);
     lap(&mut outcome, 2);
@@ -304,14 +310,36 @@ fn samples_of(film: &Film, [x0, y0, x1, y1]: [u32; 4]) -> (u32, f64, u32) {
 }
 
 /// Passes pixels on to a listener.
-struct Pixels<'l>(&'l dyn Listener);
+struct Pixels<'l> {
+    listener: &'l dyn Listener,
+    photons: Mutex<Option<PhotonStats>>,
+}
+
+impl<'l> Pixels<'l> {
+    fn new(listener: &'l dyn Listener) -> Self {
+        Self { listener, photons: Mutex::new(None) }
+    }
+
+    /// The photons that were told of.
+    fn photons(&self) -> Option<PhotonStats> {
+        *self.photons.lock().expect("no thread panics while it holds a few numbers")
+    }
+}
 
 impl Progress for Pixels<'_> {
     fn pixels(&self, done: u64, total: u64) {
-        self.0.pixels(done, total);
+        self.listener.pixels(done, total);
+    }
+
+    fn photons(&self, done: u64, total: u64) {
+        self.listener.photons(done, total);
+    }
+
+    fn photons_at_rest(&self, stats: &PhotonStats) {
+        *self.photons.lock().expect("no thread panics while it holds a few numbers") = Some(*stats);
     }
 
     fn picture(&self, film: &Film) {
-        self.0.picture(film);
+        self.listener.picture(film);
     }
 }

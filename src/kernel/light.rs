@@ -37,7 +37,13 @@ pub fn light_ray(light: &Light, point: DVec3, offset: DVec3) -> LightRay {
 /// How much of the light's colour arrives at `point` without obstacles.
 #[inline]
 pub fn attenuation(light: &Light, shape: &LightBeam, point: DVec3, ray: &LightRay) -> f64 {
-    let beam = match light.kind {
+    beam_share(light, shape, point, ray) * fade(light.fade, ray.distance)
+}
+
+/// How much of the light's colour its beam sends towards `point`; distance does not count.
+#[inline]
+pub fn beam_share(light: &Light, shape: &LightBeam, point: DVec3, ray: &LightRay) -> f64 {
+    match light.kind {
         LightKind::Point | LightKind::Sun { .. } => 1.0,
         LightKind::Spot { tightness, .. } => {
             let cos = -ray.dir.dot(shape.axis);
@@ -63,8 +69,7 @@ pub fn attenuation(light: &Light, shape: &LightBeam, point: DVec3, ray: &LightRa
             let k = if tightness == 0.0 { 1.0 } else { to_power(x, tightness) };
             if radius > 0.0 && r > radius { k * smoothstep(0.0, 1.0 - radius / falloff, x) } else { k }
         }
-    };
-    beam * fade(light.fade, ray.distance)
+    }
 }
 
 /// Weakening with distance.

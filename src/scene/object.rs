@@ -44,7 +44,7 @@ pub struct PhotonFlags {
     /// Collects photons.
     pub collect: Option<bool>,
     /// Photons pass as if it were not there.
-    pub pass_through: bool,
+    pub pass_through: Option<bool>,
 }
 
 /// An object in its parent's space.

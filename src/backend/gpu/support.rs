@@ -98,6 +98,7 @@ fn obstacles(scene: &CompiledScene) -> Vec<String> {
         (media_of_giants(scene), "media of a body a thousand times as large as the camera's distance from it"),
         (f.rainbow && f.media, "rainbows with media"),
         (f.radiosity, "radiosity"),
+        (f.photons, "photons"),
         (f.subsurface, "subsurface light"),
         (f.dispersion, "dispersion"),
         (scene.lights.iter().any(|l| l.light.radius > 0.0), "lights with a radius"),

@@ -2,15 +2,13 @@
 
 use super::shade::HitContext;
 use super::shafts::Known;
-use super::texturing as cover;
 use super::trace::Tracer;
 use crate::compile::geometry::prim_flags;
-use crate::kernel::PatternPoint;
 use crate::kernel::finish::{highlights, power, thin_film};
-use crate::kernel::light::{LightRay, area_axes, area_offset, attenuation, light_ray};
+use crate::kernel::light::{area_axes, area_offset, attenuation, light_ray};
 use crate::math::{DVec3, EPSILON, Rgb, Vec3};
 use crate::savings::Saving;
-use crate::scene::{Finish, Light};
+use crate::scene::Finish;
 
 /// A layer as lamps see it.
 pub(super) struct LitLayer<'l> {
@@ -30,27 +28,18 @@ pub(super) fn is_dark(c: Rgb) -> bool {
 
 impl Tracer<'_> {
     /// All lamps that shine on the hit's object, on one layer.
-    pub(super) fn lamps_on_layer(
-        &mut self,
-        ctx: &HitContext,
-        finish: &Finish,
-        normal: DVec3,
-        color: Rgb,
-        att: f64,
-        _p: &PatternPoint,
-    ) -> Rgb {
+    pub(super) fn lamps_on_layer(&mut self, ctx: &HitContext, layer: &LitLayer) -> Rgb {
         let plan = self.plan;
-        let irid_noise = if finish.irid[0] != 0.0 { cover::irid_noise(self.scene, finish, ctx.hit.point) } else { 0.5 };
-        let layer = LitLayer { finish, normal, color, att, irid_noise };
+        self.photons_replace = self.sees_photons(ctx);
         let mut sum = Vec3::ZERO;
         if ctx.prim.flags & prim_flags::NO_GLOBAL_LIGHTS == 0 {
             for (k, light_ix) in plan.global_lights.iter().enumerate() {
-                sum += self.lamp(ctx, &layer, *light_ix, Some(ctx.lit_base + k));
+                sum += self.lamp(ctx, layer, *light_ix, Some(ctx.lit_base + k));
             }
         }
         if let Some(lights) = plan.group_lights.get(ctx.prim.group_ix as usize) {
             for light_ix in lights {
-                sum += self.lamp(ctx, &layer, *light_ix, None);
+                sum += self.lamp(ctx, layer, *light_ix, None);
             }
         }
         sum
@@ -98,7 +87,7 @@ impl Tracer<'_> {
         if is_dark(filtered) {
             return Vec3::ZERO;
         }
-        let Some(a) = spread else { return self.answer(ctx, layer, light, &way, filtered, behind) };
+        let Some(a) = spread else { return self.answer(ctx, layer, way.dir, filtered, behind, !light.shadowless) };
         let mut sum = Vec3::ZERO;
         let share = filtered / (a.n1 * a.n2) as f32;
         let axes = area_axes(a, way.dir);
@@ -114,7 +103,7 @@ impl Tracer<'_> {
                     }
                     behind = true;
                 }
-                sum += self.answer(ctx, layer, light, &way, color, behind);
+                sum += self.answer(ctx, layer, way.dir, color, behind, !light.shadowless);
             }
         }
         sum
@@ -126,24 +115,24 @@ impl Tracer<'_> {
         if jitter { place + self.random.draw() - 0.5 } else { place }
     }
 
-    /// What a layer gives back of light of a colour from a direction.
-    fn answer(&mut self, ctx: &HitContext, layer: &LitLayer, light: &Light, way: &LightRay, color: Rgb, behind: bool) -> Rgb {
+    /// What a layer gives back of light of a colour from direction `dir`; only light that `glints` makes highlights.
+    pub(super) fn answer(&mut self, ctx: &HitContext, layer: &LitLayer, dir: DVec3, color: Rgb, behind: bool, glints: bool) -> Rgb {
         let f = layer.finish;
         let mut sum = Vec3::ZERO;
         let diffuse = f64::from(if behind { f.diffuse_back } else { f.diffuse });
         if diffuse != 0.0 {
-            let cos = layer.normal.dot(way.dir).abs();
+            let cos = layer.normal.dot(dir).abs();
             let mut intensity = diffuse * layer.att * power(cos, f64::from(f.brilliance));
             if f.crand != 0.0 {
                 intensity -= self.grain.draw() * f64::from(f.crand);
             }
             sum += intensity as f32 * layer.color * color;
         }
-        if !behind && !light.shadowless && !ctx.ray.gathers && (f.phong != 0.0 || f.specular != 0.0) {
-            sum += highlights(f, ctx.ray.ray.dir, layer.normal, way.dir, layer.color) * color;
+        if !behind && glints && !ctx.ray.gathers && (f.phong != 0.0 || f.specular != 0.0) {
+            sum += highlights(f, ctx.ray.ray.dir, layer.normal, dir, layer.color) * color;
         }
         if f.irid[0] != 0.0 {
-            sum *= thin_film(f, self.scene.settings.irid_wavelength, ctx.ray.ray.dir, layer.normal, way.dir, layer.irid_noise);
+            sum *= thin_film(f, self.scene.settings.irid_wavelength, ctx.ray.ray.dir, layer.normal, dir, layer.irid_noise);
         }
         sum
     }

@@ -16,7 +16,7 @@ use crate::math::{DVec2, DVec3, Ray, Rgb, Vec3};
 use crate::scene::Light;
 
 /// Media of one call, into `CompiledScene::media`.
-type MediaList = InlineVec<u32, 8>;
+pub(super) type MediaList = InlineVec<u32, 8>;
 
 /// Scratch memory of [`Tracer::media_over`].
 #[derive(Default)]
@@ -109,13 +109,7 @@ impl Tracer<'_> {
         color: Rgb,
         ends_at_surface: bool,
     ) -> Rgb {
-        let mut depths = Vec3::ZERO;
-        if ends_at_surface && around.is_hollow() {
-            let list = self.media_of(around);
-            if !list.is_empty() {
-                depths += self.media_over(ray, depth, &list, around, None, true).depth;
-            }
-        }
+        let mut depths = if ends_at_surface { self.depth_inside(ray, depth, around) } else { Vec3::ZERO };
         let air = light.media_attenuation && light.media_interaction && (ends_at_surface || around.is_hollow());
         if air && !self.scene.atmosphere.is_empty() {
             let mut list = MediaList::default();
@@ -125,7 +119,18 @@ impl Tracer<'_> {
         color * transmittance(depths)
     }
 
-    fn media_of(&self, around: &InteriorList) -> MediaList {
+    /// Depth of extinction of the media of interiors on `0..depth`.
+    fn depth_inside(&mut self, ray: &Ray, depth: f64, around: &InteriorList) -> Rgb {
+        let list = if around.is_hollow() { self.media_of(around) } else { MediaList::default() };
+        if list.is_empty() { Vec3::ZERO } else { self.media_over(ray, depth, &list, around, None, true).depth }
+    }
+
+    /// What the media of interiors on `0..depth` of a photon's way leave of its power.
+    pub(super) fn through_media(&mut self, ray: &Ray, depth: f64, around: &InteriorList, power: Rgb) -> Rgb {
+        power * transmittance(self.depth_inside(ray, depth, around))
+    }
+
+    pub(super) fn media_of(&self, around: &InteriorList) -> MediaList {
         let mut list = MediaList::default();
         for ix in around.iter() {
             self.scene.interiors[ix as usize].media.iter().for_each(|m| list.push(*m));
@@ -333,19 +338,38 @@ impl Tracer<'_> {
             }
             scattering += density * medium.params.scattering;
         }
+        if !call.is_shadow && self.plan.photons.is_some() {
+            self.photons_replace = call.media.iter().any(|ix| scene.media[ix as usize].params.collect);
+            if self.photons_replace && !is_dark(scattering) {
+                light += scattering * self.photons_in_media(call, point);
+            }
+        }
         if i.lit && !is_dark(scattering) {
             for l in call.lights.iter().filter(|l| (l.start..=l.end).contains(&at)) {
                 let (arriving, dir) = self.light_at(l.light_ix, call.around, point);
                 if !is_dark(arriving) {
-                    let cos = call.ray.dir.dot(dir);
-                    let phase: f64 = call.media.iter().map(|ix| self.phase(ix, cos)).sum::<f64>() / call.media.len() as f64;
-                    light += phase as f32 * scattering * arriving;
+                    light += self.mean_phase(call, dir) as f32 * scattering * arriving;
                 }
             }
         }
         let h = i.length as f32;
         let weaken = if call.method == 3 { Vec3::ONE } else { transmittance(ext * h * q as f32) };
         Gathered { light: light * h * weaken, depth: ext * h }
+    }
+
+    /// Light of the photons around a point, weighed by phase.
+    fn photons_in_media(&mut self, call: &MediaRay, point: DVec3) -> Rgb {
+        let Some(maps) = self.plan.photons.as_deref() else { return Vec3::ZERO };
+        let mut found = std::mem::take(&mut self.near_photons);
+        let sum = maps.in_media(point, &mut found, |from| self.mean_phase(call, from));
+        self.near_photons = found;
+        sum
+    }
+
+    /// The mean of the media's phase values for light from direction `to_light`.
+    fn mean_phase(&self, call: &MediaRay, to_light: DVec3) -> f64 {
+        let cos = call.ray.dir.dot(to_light);
+        call.media.iter().map(|ix| self.phase(ix, cos)).sum::<f64>() / call.media.len() as f64
     }
 
     /// A medium's phase value; those that do not scatter count as isotropic.

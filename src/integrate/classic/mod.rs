@@ -8,6 +8,7 @@ mod emitters;
 mod inline_vec;
 mod lights;
 mod media;
+mod photons;
 mod pixel;
 mod plan;
 mod pretrace;
@@ -24,6 +25,7 @@ mod texturing;
 mod trace;
 
 pub use emitters::{EmitterPoint, Piece};
+pub use photons::{PhotonError, PhotonMaps, PhotonStats};
 pub use pixel::{bent, single_ray};
 pub use plan::{ScenePlan, interiors_at};
 pub use pretrace::{pretrace_in_order, pretrace_side_by_side};

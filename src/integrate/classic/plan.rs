@@ -2,6 +2,7 @@
 
 use super::area_packet::area_orders;
 use super::emitters::{EmitterPoint, emitter_points};
+use super::photons::PhotonMaps;
 use super::ray::InteriorList;
 use crate::compile::texture::{PatternCode, PigmentCode, WarpNode};
 use crate::compile::{CompiledScene, NONE};
@@ -67,6 +68,8 @@ pub struct ScenePlan {
     pub media_densities: Vec<Vec<u32>>,
     /// By medium: its stop thresholds.
     pub media_thresholds: Vec<Vec<f64>>,
+    /// Photons at rest, once they have been shot.
+    pub photons: Option<Box<PhotonMaps>>,
 }
 
 impl ScenePlan {
@@ -96,6 +99,7 @@ impl ScenePlan {
             constant_media: scene.media.iter().map(|m| m.densities.is_empty()).collect(),
             media_densities: scene.media.iter().map(|m| quick_first(scene, &m.densities)).collect(),
             media_thresholds: scene.media.iter().map(|m| stop_thresholds(&m.params)).collect(),
+            photons: None,
         }
     }
 

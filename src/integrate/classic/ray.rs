@@ -2,7 +2,7 @@
 
 use super::inline_vec::InlineVec;
 use crate::compile::CompiledScene;
-use crate::math::{Ray, Rgb, Vec3};
+use crate::math::{DVec3, Ray, Rgb, Vec3};
 
 /// Interiors around a point in the order of entering, into `CompiledScene::interiors`.
 #[derive(Clone, Debug, Default)]
@@ -90,6 +90,11 @@ impl TraceRay {
     /// A camera ray inside `interiors`.
     pub fn primary(ray: Ray, interiors: InteriorList) -> Self {
         Self { ray, max_depth: f64::INFINITY, interiors, reflected: false, gathers: false, wavelength: 0.0 }
+    }
+
+    /// The ray with the same history that goes on from `point` along `dir` in `interiors`.
+    pub fn onward(&self, point: DVec3, dir: DVec3, interiors: &InteriorList) -> Self {
+        Self { ray: Ray::new(point, dir), max_depth: f64::INFINITY, interiors: interiors.clone(), ..*self }
     }
 }
 

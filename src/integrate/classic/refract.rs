@@ -6,7 +6,7 @@ use super::shade::HitContext;
 use super::trace::Tracer;
 use crate::compile::Interior;
 use crate::kernel::finish::{reflect, refract};
-use crate::math::{DVec3, EPSILON, Ray, Rgb, Vec3};
+use crate::math::{DVec3, EPSILON, Rgb, Vec3};
 use std::sync::LazyLock;
 
 /// What became of a ray that was to pass a surface.
@@ -18,13 +18,71 @@ pub(super) enum Through {
 }
 
 /// A passage from one interior to another.
-struct Passage {
+pub(super) struct Passage {
     interiors: InteriorList,
     /// Near index over far index.
     n: f64,
     /// The same for the dispersion values.
     dispersion: f64,
     bands: u32,
+}
+
+/// How light goes on in a passage.
+pub(super) enum Onward {
+    /// As if there were nothing.
+    Straight,
+    /// By this ratio of indices.
+    Bent(f64),
+    /// In bands of colour.
+    Split,
+}
+
+/// A part of the spectrum that goes its own way.
+pub(super) struct Band {
+    /// Near index over far index.
+    pub n: f64,
+    /// Its middle, in nm.
+    pub wavelength: f64,
+    /// Its share of white.
+    pub hue: Rgb,
+}
+
+impl Passage {
+    fn disperses(&self) -> bool {
+        (self.dispersion - 1.0).abs() >= EPSILON
+    }
+
+    fn index(&self, wavelength: f64) -> f64 {
+        self.n * self.dispersion.powf(-(wavelength - 555.0) / 350.0)
+    }
+
+    /// What light of a wavelength (0: white) does.
+    pub fn onward(&self, wavelength: f64) -> Onward {
+        match self.disperses() {
+            false if (self.n - 1.0).abs() < EPSILON => Onward::Straight,
+            false => Onward::Bent(self.n),
+            true if wavelength != 0.0 => Onward::Bent(self.index(wavelength)),
+            true => Onward::Split,
+        }
+    }
+
+    /// The bands that white light splits into.
+    pub fn bands(&self) -> impl Iterator<Item = Band> + '_ {
+        let width = 350.0 / f64::from(self.bands);
+        (0..self.bands).map(move |k| {
+            let wavelength = 380.0 + width * (f64::from(k) + 0.5);
+            let hue = hue_sum(wavelength + 0.5 * width) - hue_sum(wavelength - 0.5 * width);
+            Band { n: self.index(wavelength), wavelength, hue }
+        })
+    }
+}
+
+/// A ray that met a surface which bends it.
+pub(super) enum Bent {
+    /// It goes through.
+    Through(TraceRay),
+    /// It is totally reflected.
+    Back(TraceRay),
 }
 
 /// Colour that light keeps after `depth` inside an interior. Source: spec/light.md, section 3.
@@ -72,7 +130,8 @@ impl Tracer<'_> {
         fade_factor(interior, ctx.hit.t) * interior.old_refraction as f32
     }
 
-    fn passage(&self, interiors: &InteriorList, interior_ix: u32) -> Passage {
+    /// From where a ray of `interiors` runs to the other side of a surface of an object.
+    pub(super) fn passage(&self, interiors: &InteriorList, interior_ix: u32) -> Passage {
         let scene = self.scene;
         let own = self.interior(interior_ix);
         let mut next = interiors.clone();
@@ -104,52 +163,42 @@ impl Tracer<'_> {
     /// Traces what lies behind a surface whose top layer has normal `top`.
     pub(super) fn through(&mut self, ctx: &HitContext, top: DVec3, weight: f64) -> Through {
         let p = self.passage(&ctx.ray.interiors, ctx.prim.interior_ix);
-        if (p.n - 1.0).abs() < EPSILON && (p.dispersion - 1.0).abs() < EPSILON {
-            let ray = self.inner_ray(ctx, &p, ctx.ray.ray.dir, ctx.ray.wavelength);
-            return Through::Transmitted(self.trace(&ray, weight, true));
-        }
-        let index = |wavelength: f64| p.n * p.dispersion.powf(-(wavelength - 555.0) / 350.0);
-        if (p.dispersion - 1.0).abs() < EPSILON {
-            return self.refracted(ctx, &p, top, p.n, ctx.ray.wavelength, weight);
-        }
-        if ctx.ray.wavelength != 0.0 {
-            return self.refracted(ctx, &p, top, index(ctx.ray.wavelength), ctx.ray.wavelength, weight);
-        }
-        let (mut sum, mut transmit) = (Vec3::ZERO, 0.0);
-        let width = 350.0 / f64::from(p.bands);
-        for k in 0..p.bands {
-            let wavelength = 380.0 + width * (f64::from(k) + 0.5);
-            let (Through::Transmitted(seen) | Through::TotallyReflected(seen)) =
-                self.refracted(ctx, &p, top, index(wavelength), wavelength, weight);
-            sum += seen.rgb * (hue_sum(wavelength + 0.5 * width) - hue_sum(wavelength - 0.5 * width));
-            transmit += seen.transmit / p.bands as f32;
-        }
-        Through::Transmitted(Seen { rgb: sum, transmit, depth: f64::INFINITY })
-    }
-
-    fn refracted(&mut self, ctx: &HitContext, p: &Passage, top: DVec3, n: f64, wavelength: f64, weight: f64) -> Through {
-        match refract(ctx.ray.ray.dir, top, n) {
-            Some(dir) => {
-                let ray = self.inner_ray(ctx, p, dir, wavelength);
-                Through::Transmitted(self.trace(&ray, weight, false))
-            }
-            None => {
-                let dir = reflect(ctx.ray.ray.dir, top, ctx.normal);
-                Through::TotallyReflected(self.reflected_ray(ctx, dir, weight))
+        match p.onward(ctx.ray.wavelength) {
+            Onward::Straight => Through::Transmitted(self.trace(&straight(ctx, &p), weight, true)),
+            Onward::Bent(n) => match bent(ctx, &p, top, n, ctx.ray.wavelength) {
+                Bent::Through(ray) => Through::Transmitted(self.trace(&ray, weight, false)),
+                Bent::Back(ray) => Through::TotallyReflected(self.trace(&ray, weight, false)),
+            },
+            Onward::Split => {
+                let (mut sum, mut transmit) = (Vec3::ZERO, 0.0);
+                for band in p.bands() {
+                    let (Bent::Through(ray) | Bent::Back(ray)) = bent(ctx, &p, top, band.n, band.wavelength);
+                    let seen = self.trace(&ray, weight, false);
+                    sum += seen.rgb * band.hue;
+                    transmit += seen.transmit / p.bands as f32;
+                }
+                Through::Transmitted(Seen { rgb: sum, transmit, depth: f64::INFINITY })
             }
         }
     }
+}
 
-    fn inner_ray(&self, ctx: &HitContext, p: &Passage, dir: DVec3, wavelength: f64) -> TraceRay {
-        TraceRay {
-            ray: Ray::new(ctx.hit.point, dir),
-            max_depth: f64::INFINITY,
-            interiors: p.interiors.clone(),
-            reflected: ctx.ray.reflected,
-            gathers: ctx.ray.gathers,
-            wavelength,
-        }
+/// The ray beyond a surface that does not bend it.
+pub(super) fn straight(ctx: &HitContext, p: &Passage) -> TraceRay {
+    ctx.ray.onward(ctx.hit.point, ctx.ray.ray.dir, &p.interiors)
+}
+
+/// The ray that leaves a surface of normal `top` by a ratio of indices `n`.
+pub(super) fn bent(ctx: &HitContext, p: &Passage, top: DVec3, n: f64, wavelength: f64) -> Bent {
+    match refract(ctx.ray.ray.dir, top, n) {
+        Some(dir) => Bent::Through(TraceRay { wavelength, ..ctx.ray.onward(ctx.hit.point, dir, &p.interiors) }),
+        None => Bent::Back(mirrored(ctx, reflect(ctx.ray.ray.dir, top, ctx.normal))),
     }
+}
+
+/// The ray that leaves a hit along `dir` on the side it came from.
+pub(super) fn mirrored(ctx: &HitContext, dir: DVec3) -> TraceRay {
+    TraceRay { reflected: true, ..ctx.ray.onward(ctx.hit.point, dir, &ctx.ray.interiors) }
 }
 
 /// Colours of the spectrum summed up from 375 nm in steps of 5 nm.

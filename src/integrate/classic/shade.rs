@@ -2,8 +2,9 @@
 //! Source: spec/light.md, section 3; spec/textures.md, section 5.
 
 use super::inline_vec::InlineVec;
+use super::lights::LitLayer;
 use super::ray::{Seen, TraceRay};
-use super::refract::Through;
+use super::refract::{Through, mirrored};
 use super::texturing::{self as cover, Cover, Space};
 use super::trace::Tracer;
 use crate::compile::geometry::{Prim, prim_flags};
@@ -31,24 +32,39 @@ pub(super) struct HitContext<'h> {
 
 /// A mirror of a layer, traced after the layers.
 #[derive(Clone, Copy, Default)]
-struct Mirror {
-    factor: Rgb,
-    normal: DVec3,
-    weight: f64,
+pub(super) struct Mirror {
+    pub factor: Rgb,
+    pub normal: DVec3,
+    pub weight: f64,
     finish: u32,
 }
 
+/// Layers of a plain texture: the first, and how many.
+pub(super) type LayerRange = (u32, u32);
+
 /// What the layers of a texture leave to be traced.
-struct Layered {
+pub(super) struct Layered {
     rgb: Rgb,
     /// What the layers do to light behind them.
-    factor: Rgb,
+    pub factor: Rgb,
     /// Brightness of `factor`, 0..=1.
-    trans: f64,
+    pub trans: f64,
     /// Some layer had a colour.
     colored: bool,
-    top_normal: DVec3,
-    mirrors: InlineVec<Mirror, 4>,
+    pub top_normal: DVec3,
+    pub mirrors: InlineVec<Mirror, 4>,
+}
+
+impl Layered {
+    /// What the layers do to light that passes them.
+    pub fn filter(&self) -> Rgb {
+        if self.colored { self.factor } else { Vec3::ONE }
+    }
+
+    /// Whether total reflection at the top layer takes the place of a mirror.
+    pub fn is_outdone(&self, m: &Mirror) -> bool {
+        (m.normal - self.top_normal).abs().max_element() <= EPSILON
+    }
 }
 
 impl Tracer<'_> {
@@ -85,7 +101,7 @@ impl Tracer<'_> {
         let scene = self.scene;
         match &scene.textures.textures[texture as usize] {
             TextureNode::Layers { start, len } => {
-                let layers = self.shade_layers(ctx, *start, *len, p, space, weight);
+                let layers = self.shade_layers(ctx, (*start, *len), p, space, weight);
                 self.finish_layers(ctx, layers, weight)
             }
             TextureNode::Principled(ix) => self.shade_principled(ctx, *ix, weight),
@@ -105,7 +121,32 @@ impl Tracer<'_> {
     }
 
     /// Layers from the top (written last) to the bottom, their own light only.
-    fn shade_layers(&mut self, ctx: &HitContext, start: u32, len: u32, p: &PatternPoint, space: &Space, weight: f64) -> Layered {
+    fn shade_layers(&mut self, ctx: &HitContext, layers: LayerRange, p: &PatternPoint, space: &Space, weight: f64) -> Layered {
+        let (mut indirect, mut photons_gathered) = ([None; 2], None);
+        let sees_photons = self.sees_photons(ctx);
+        self.over_layers(ctx, layers, p, space, weight, &mut |tracer, layer, factor| {
+            let mut own = tracer.own_light(ctx, layer);
+            if sees_photons {
+                own += tracer.photons_on_layer(ctx, layer, &mut photons_gathered);
+            }
+            if tracer.radiosity_acts() {
+                let weight = weight * f64::from(grey(factor * layer.color));
+                own += tracer.indirect_on_layer(ctx, layer, &mut indirect, weight);
+            }
+            own
+        })
+    }
+
+    /// Goes through layers from the top to the bottom. `light` gives a layer's own light, and hears what the layers above it do to it.
+    pub(super) fn over_layers(
+        &mut self,
+        ctx: &HitContext,
+        (start, len): LayerRange,
+        p: &PatternPoint,
+        space: &Space,
+        weight: f64,
+        light: &mut impl FnMut(&mut Self, &LitLayer, Rgb) -> Rgb,
+    ) -> Layered {
         let scene = self.scene;
         let quality = self.plan.quality;
         let mut out = Layered {
@@ -116,7 +157,6 @@ impl Tracer<'_> {
             top_normal: ctx.normal,
             mirrors: InlineVec::default(),
         };
-        let mut indirect = [None; 2];
         for (nth, k) in (start..start + len).rev().enumerate() {
             let layer = scene.textures.layers[k as usize];
             let mut normal = ctx.normal;
@@ -146,18 +186,8 @@ impl Tracer<'_> {
             } else {
                 1.0 - f64::from(color.filter * color.rgb.max_element() + color.transmit)
             };
-            let mut own = self.own_light(ctx, finish, normal, color.rgb, att, p);
-            if self.radiosity_acts() {
-                own += self.indirect_on_layer(
-                    ctx,
-                    finish,
-                    normal,
-                    color.rgb,
-                    att,
-                    &mut indirect,
-                    weight * f64::from(grey(out.factor * color.rgb)),
-                );
-            }
+            let irid_noise = if finish.irid[0] != 0.0 { cover::irid_noise(scene, finish, ctx.hit.point) } else { 0.5 };
+            let own = light(self, &LitLayer { finish, normal, color: color.rgb, att, irid_noise }, out.factor);
             out.rgb += out.factor * own;
             if found.is_some() {
                 out.colored = true;
@@ -185,8 +215,9 @@ impl Tracer<'_> {
     }
 
     /// Ambient, emission and the light of lamps on one layer.
-    fn own_light(&mut self, ctx: &HitContext, finish: &Finish, normal: DVec3, color: Rgb, att: f64, p: &PatternPoint) -> Rgb {
+    fn own_light(&mut self, ctx: &HitContext, layer: &LitLayer) -> Rgb {
         let settings = &self.scene.settings;
+        let LitLayer { finish, color, att, .. } = *layer;
         let mut sum = Vec3::ZERO;
         let gathered = self.plan.quality.volumes && settings.radiosity.is_some();
         if !(gathered && self.plan.modern) {
@@ -194,7 +225,7 @@ impl Tracer<'_> {
         }
         sum += color * finish.emission * att as f32;
         if finish.diffuse != 0.0 || finish.diffuse_back != 0.0 || finish.specular != 0.0 || finish.phong != 0.0 {
-            sum += self.lamps_on_layer(ctx, finish, normal, color, att, p);
+            sum += self.lamps_on_layer(ctx, layer);
         }
         sum
     }
@@ -203,10 +234,7 @@ impl Tracer<'_> {
     fn indirect_on_layer(
         &mut self,
         ctx: &HitContext,
-        finish: &Finish,
-        normal: DVec3,
-        color: Rgb,
-        att: f64,
+        &LitLayer { finish, normal, color, att, .. }: &LitLayer,
         known: &mut [Option<Rgb>; 2],
         weight: f64,
     ) -> Rgb {
@@ -224,16 +252,14 @@ impl Tracer<'_> {
 
     /// Adds what is seen through the layers and in their mirrors.
     fn finish_layers(&mut self, ctx: &HitContext, layers: Layered, weight: f64) -> (Rgb, f32) {
-        let Layered { mut rgb, factor, trans, colored, top_normal, mirrors } = layers;
-        let (mut transmit, mut total_reflection) = (0.0, false);
-        if self.plan.quality.refraction && trans > self.adc_bailout {
-            let weight = weight * f64::from(factor.abs().max_element());
+        let (mut rgb, mut transmit, mut total_reflection) = (layers.rgb, 0.0, false);
+        if self.plan.quality.refraction && layers.trans > self.adc_bailout {
+            let weight = weight * f64::from(layers.factor.abs().max_element());
             let attenuation = self.interior_attenuation(ctx);
-            match self.through(ctx, top_normal, weight) {
+            match self.through(ctx, layers.top_normal, weight) {
                 Through::Transmitted(seen) => {
-                    let filter = if colored { factor } else { Vec3::ONE };
-                    rgb += attenuation * filter * seen.rgb;
-                    transmit = trans as f32 * seen.transmit;
+                    rgb += attenuation * layers.filter() * seen.rgb;
+                    transmit = layers.trans as f32 * seen.transmit;
                 }
                 Through::TotallyReflected(seen) => {
                     total_reflection = true;
@@ -241,17 +267,16 @@ impl Tracer<'_> {
                 }
             }
         }
-        for k in 0..mirrors.len() {
-            let m = mirrors.get(k);
-            if total_reflection && (m.normal - top_normal).abs().max_element() <= EPSILON {
-                continue;
+        for k in 0..layers.mirrors.len() {
+            let m = layers.mirrors.get(k);
+            if !(total_reflection && layers.is_outdone(&m)) {
+                rgb += m.factor * self.in_mirror(ctx, &m);
             }
-            rgb += m.factor * self.mirrored(ctx, &m);
         }
         (rgb, transmit)
     }
 
-    fn mirrored(&mut self, ctx: &HitContext, m: &Mirror) -> Rgb {
+    fn in_mirror(&mut self, ctx: &HitContext, m: &Mirror) -> Rgb {
         let finish = &self.scene.textures.finishes[m.finish as usize];
         let dir = reflect(ctx.ray.ray.dir, m.normal, ctx.normal);
         let seen = self.reflected_ray(ctx, dir, m.weight);
@@ -265,15 +290,7 @@ impl Tracer<'_> {
 
     /// Traces a ray that leaves the hit on the side it came from.
     pub(super) fn reflected_ray(&mut self, ctx: &HitContext, dir: DVec3, weight: f64) -> Seen {
-        let ray = TraceRay {
-            ray: crate::math::Ray::new(ctx.hit.point, dir),
-            max_depth: f64::INFINITY,
-            interiors: ctx.ray.interiors.clone(),
-            reflected: true,
-            gathers: ctx.ray.gathers,
-            wavelength: ctx.ray.wavelength,
-        };
-        self.trace(&ray, weight, false)
+        self.trace(&mirrored(ctx, dir), weight, false)
     }
 
     /// Whether both sides of the hit are lit.

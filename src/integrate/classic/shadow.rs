@@ -1,6 +1,7 @@
 //! What arrives of a light at a point: shadow rays through clear things, grids of area lights. Source: spec/light.md, section 6.
 
 use super::lights::is_dark;
+use super::photons;
 use super::ray::InteriorList;
 use super::refract::fade_factor;
 use super::shafts::Known;
@@ -68,6 +69,9 @@ impl Tracer<'_> {
                     return Vec3::ZERO;
                 }
                 ShadowHit::Transparent(hit) => {
+                    if self.photons_replace && photons::take_over(scene.geometry.prims[hit.prim_ix as usize].flags, compiled) {
+                        return Vec3::ZERO;
+                    }
                     let list = interiors.get_or_insert_with(|| around.clone());
                     color *= self.surface_filter(&ray, &hit, list);
                     color = self.shadow_air(light_ix, &ray, hit.t, list, color, Some(&hit));

@@ -1,6 +1,7 @@
 //! One ray: nearest hit, shading or sky, and the air in between. Source: spec/light.md, section 2.
 
 use super::media::MediaScratch;
+use super::photons::NearestPhotons;
 use super::plan::ScenePlan;
 use super::radiosity::RadiosityState;
 use super::ray::{Seen, TraceRay};
@@ -15,7 +16,7 @@ use crate::math::random::{GrainStream, SplitMix64, UniformStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Rays inside rays: bounds the stack whatever the scene (transmitted rays of equal index count no level).
-const MAX_RECURSION: u32 = 1200;
+pub(super) const MAX_RECURSION: u32 = 1200;
 
 /// Traces rays one after another.
 pub struct Tracer<'a> {
@@ -43,6 +44,10 @@ pub struct Tracer<'a> {
     pub(super) spare_list: Candidates,
     /// For view rays, and for the shadow rays inside them.
     pub(super) media_scratch: [MediaScratch; 2],
+    /// Photons near a hit.
+    pub(super) near_photons: NearestPhotons,
+    /// Photons take the place of light that comes straight through their targets.
+    pub(super) photons_replace: bool,
     /// Present while radiosity is on.
     pub radiosity: Option<RadiosityState>,
     /// Once set, all that follows is black: a single pixel may take hours.
@@ -68,6 +73,8 @@ impl<'a> Tracer<'a> {
             area_packet: Box::default(),
             spare_list: Candidates::default(),
             media_scratch: Default::default(),
+            near_photons: plan.photons.as_ref().map(|m| m.room()).unwrap_or_default(),
+            photons_replace: false,
             radiosity: None,
             cancel: None,
         }

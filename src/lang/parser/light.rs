@@ -274,6 +274,7 @@ impl Parser<'_> {
     pub(super) fn parse_light_group(&mut self) -> PResult<Object> {
         self.block("light_group", |p| {
             let (mut children, mut lights, mut global_lights) = (Vec::new(), Vec::new(), None);
+            let mut photons = crate::scene::object::PhotonFlags::default();
             loop {
                 if p.accept_kw(Kw::LightSource)? {
                     lights.push(p.parse_light()?);
@@ -302,14 +303,14 @@ impl Parser<'_> {
                     global_lights = Some(p.parse_switch()?);
                 } else if p.at_kw(Kw::Photons)? {
                     p.next()?;
-                    let mut unused = crate::scene::object::PhotonFlags::default();
-                    p.object_photons(&mut unused)?;
+                    p.object_photons(&mut photons)?;
                 } else {
                     break;
                 }
                 p.accept(Punct::Comma)?;
             }
             let mut o = Object::new(Shape::LightGroup { children, lights, global_lights });
+            o.photons = photons;
             o.apply_transform(&transforms);
             Ok(o)
         })

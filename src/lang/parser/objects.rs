@@ -458,7 +458,7 @@ impl Parser<'_> {
                     }
                     Kw::PassThrough => {
                         p.next()?;
-                        f.pass_through = p.parse_switch()?;
+                        f.pass_through = Some(p.parse_switch()?);
                     }
                     _ => break,
                 }

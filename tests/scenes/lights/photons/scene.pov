@@ -1,4 +1,4 @@
-// Photons are told not to be traced.
+// A glass ball that reflects and refracts a counted number of photons.
 #version 3.7;
 global_settings { assumed_gamma 1.0 photons { count 2000 } }
 camera { location <1.6, 2.0, -4.2> look_at <0, 0.1, 0> angle 42 right 4/3*x }
