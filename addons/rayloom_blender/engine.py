@@ -110,7 +110,7 @@ class RayloomRenderEngine(bpy.types.RenderEngine):
         ranks = getattr(renderlayer, "pass_cryptomatte_depth", 6)
         keeps_noise = getattr(getattr(renderlayer, "cycles", None), "denoising_store_passes", False) and denoises(scene, renderlayer)
         more = passes.DENOISING_DATA if keeps_noise else ()
-        for name, channels, kind in passes.registered(wanted_passes(renderlayer, scene), ranks, more):
+        for name, channels, kind in passes.registered(wanted_passes(renderlayer, scene), ranks, more, bpy.app.version):
             self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
 
     def render(self, depsgraph):

@@ -386,6 +386,27 @@ def case_passes():
     say("passes not rendered yet: " + (told if "is not rendered" in told else "none"))
 
 
+def case_passes_are_called_as_cycles_calls_them():
+    """With every pass switched on, the channels of the file are Cycles', but for those that are known to be missing."""
+    scene = new_scene((8, 8))
+    wall("W", -1, 1, -1, 1)
+    layer, names = bpy.context.view_layer, []
+    for owner in (layer, layer.cycles):
+        for prop in owner.bl_rna.properties:
+            if prop.identifier.startswith("use_pass_") and not prop.identifier.startswith("use_pass_debug"):
+                setattr(owner, prop.identifier, True)
+    scene.cycles.samples, scene.cycles.use_denoising = 1, False
+    for engine in ("CYCLES", "RAYLOOM"):
+        scene.render.engine = engine
+        render(engine, layers=True)
+        names.append({k.split(".", 1)[1] for k in layers_of(os.path.join(FOLDER, f"{engine}.exr"))[0]})
+    theirs, ours = names
+    missing, own = sorted({n.rsplit(".", 1)[0] for n in theirs - ours}), sorted({n.rsplit(".", 1)[0] for n in ours - theirs})
+    say(f"{len(theirs & ours)} channels alike; Cycles alone has {missing}, ours alone {own}")
+    # Parts of Cycles' volumes that came with 5.0.
+    assert set(missing) <= {"Volume Scatter", "Volume Transmit", "Volume Majorant"} and len(theirs & ours) > 80, (missing, own)
+
+
 def case_all_passes_and_cryptomatte():
     """Values of passes in Blender's own file, by their layers' names; the manifest of Cryptomatte in its header."""
     scene = new_scene(samples=4)
@@ -408,7 +429,7 @@ def case_all_passes_and_cryptomatte():
     say(f"channels: {', '.join(sorted(planes))}")
 
     def at(name, x):
-        return np.array([planes[f"Main Layer.{name}.{c}"][24, x] for c in {"IndexOB": "X", "Depth": "Z"}.get(name, "XYZ" if name in "NormalPosition" else "RGB")])
+        return np.array([planes[f"Main Layer.{pass_name(name)}.{c}"][24, x] for c in {"IndexOB": "X", "Depth": "Z"}.get(name, "XYZ" if name in "NormalPosition" else "RGB")])
 
     assert np.allclose(at("Depth", 8), 6.0, atol=0.02) and np.allclose(at("Depth", 56), 8.0, atol=0.02), (at("Depth", 8), at("Depth", 56))
     assert at("IndexOB", 8) == 7 and at("IndexOB", 56) == 0
@@ -425,6 +446,11 @@ def case_all_passes_and_cryptomatte():
     rank = planes["Main Layer.CryptoObject00.r"]
     for name, x in (("Near", 8), ("Far", 56)):
         assert np.float32(rank[24, x]).view(np.uint32) == int(manifest[name], 16), (name, manifest)
+
+
+def pass_name(name):
+    """A pass's name in this Blender."""
+    return module("core.passes").NAMES_5.get(name, name) if bpy.app.version >= (5, 0, 0) else name
 
 
 def layers_of(path):
@@ -550,7 +576,7 @@ def case_mist_motion_occlusion_and_catchers_are_cycles():
             scene.render.engine = engine
             render(engine, layers=True)
             planes, _ = layers_of(os.path.join(FOLDER, f"{engine}.exr"))
-            out.append({n: np.stack([planes[f"ViewLayer.{n}.{c}"] for c in channels], axis=-1) for n, channels in names})
+            out.append({n: np.stack([planes[f"ViewLayer.{pass_name(n)}.{c}"] for c in channels], axis=-1) for n, channels in names})
         return out
 
     def held(name, theirs, ours, typical, mean):

@@ -467,6 +467,7 @@ class Passes(unittest.TestCase):
         self.assertEqual(fields[names[0].replace("/name", "/manifest")], '{"A":"1"}')
 
     def test_two_ranks_are_a_layer(self):
+        self.assertEqual(passes.registered(["objectId", "depth"], version=(5, 0, 1))[1:], [("Object Index", "X", "VALUE"), ("Depth", "Z", "VALUE")])
         names = [n for n, _, _ in passes.registered(["cryptoObject", "depth", "nothing"], 3)]
         self.assertEqual(names, ["Combined", "CryptoObject00", "CryptoObject01", "Depth"])
 

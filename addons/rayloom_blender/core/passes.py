@@ -34,18 +34,32 @@ PASSES = {
 }
 # The file's name → Blender's, before the number of the two ranks that a layer holds. Their channels are small letters in Cycles' files (measured, 4.5).
 CRYPTOMATTE = {"cryptoObject": "CryptoObject", "cryptoMaterial": "CryptoMaterial", "cryptoAsset": "CryptoAsset"}
+# Names from Blender 5.0 on (measured).
+NAMES_5 = {
+    "IndexOB": "Object Index",
+    "IndexMA": "Material Index",
+    "AO": "Ambient Occlusion",
+    "Emit": "Emission",
+    "Env": "Environment",
+    **{
+        f"{short}{part}": f"{long} {word}"
+        for short, long in (("Diff", "Diffuse"), ("Gloss", "Glossy"), ("Trans", "Transmission"), ("Volume", "Volume"))
+        for part, word in (("Dir", "Direct"), ("Ind", "Indirect"), ("Col", "Color"))
+    },
+}
 # Names that Blender's passes have besides in the renderer's file.
-_SAME = {"denoising depth": "depth"}
+_SAME = {"denoising depth": "depth", **{new.lower(): old.lower() for old, new in NAMES_5.items()}}
 # What Cycles adds to a layer that keeps its denoising data, besides albedo and normal.
 DENOISING_DATA = (("Noisy Image", "RGBA", "COLOR"), ("Denoising Depth", "Z", "VALUE"))
 
 
-def registered(wanted, cryptomatte_ranks=6, more=()):
-    """What to register for the wanted passes (the file's names), Combined first, then `more`: `(Blender's name, channels, kind)` each."""
+def registered(wanted, cryptomatte_ranks=6, more=(), version=(4, 5, 0)):
+    """What to register for the wanted passes (the file's names), Combined first, then `more`: `(name in that version of Blender, channels, kind)` each."""
     out = [("Combined", "RGBA", "COLOR"), *more]
     for name in wanted:
         if name in PASSES:
-            out.append(PASSES[name])
+            short, channels, kind = PASSES[name]
+            out.append((NAMES_5.get(short, short) if version >= (5, 0, 0) else short, channels, kind))
         elif name in CRYPTOMATTE:
             out += [(f"{CRYPTOMATTE[name]}{k:02}", "rgba", "COLOR") for k in range((cryptomatte_ranks + 1) // 2)]
     return out
