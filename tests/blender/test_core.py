@@ -274,6 +274,30 @@ class Shaders(unittest.TestCase):
         baked = textures.sample(around.pictures[0], at[:, 0], at[:, 1], "extend", True)
         np.testing.assert_allclose(baked, direct, atol=1e-6)
 
+    def test_pictures_keep_their_texels_and_repeat(self):
+        picture = np.random.default_rng(5).random((32, 1200, 4)).astype(np.float32)
+        twice = [2, 0, 0, 0.25, 0, 1, 0, 0, 0, 0, 1, 0]
+        for affine, extension, width, again in ((None, "repeat", 1200, "repeat"), (twice, "repeat", 2400, "repeat"), (None, "extend", 1200, "extend")):
+            where = {"source": "uv", **({"affine": affine} if affine else {})}
+            nodes = [
+                {"type": "image", "image": 0, "coordinates": where, "extension": extension},
+                {"type": "invert", "color": {"node": 0, "output": "color"}},
+                {"type": "diffuse", "color": {"node": 1}},
+            ]
+            around, told = Around(), []
+            around.image = lambda ix: picture
+            lowering = lower.Lowering(nodes, bake.Baker(around), told.append)
+            closure = lowering.out[lowering.closure(2)]
+            image, baked_picture = lowering.out[closure["color"]["node"]], around.pictures[0]
+            # The box of coordinates is one unit wide and two high.
+            self.assertEqual((image["extension"], baked_picture.shape[1]), (again, width))
+            rng = np.random.default_rng(6)
+            uv = np.column_stack([rng.random(50), 2 * rng.random(50), np.zeros(50)])
+            direct = evaluate.Evaluator(nodes, lambda source, k: uv, around.image).value({"node": 1})
+            at = values.affine(image["coordinates"].get("affine", np.eye(3, 4).ravel()), uv)
+            shown = textures.sample(baked_picture, at[:, 0], at[:, 1], again, False)
+            self.assertLess(np.abs(shown - direct).mean(), 0.02)
+
     def test_a_bake_is_kept_until_something_changes(self):
         baked.forget()
         counted, encoded = [], bake.encoded

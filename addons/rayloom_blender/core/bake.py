@@ -7,10 +7,12 @@ import numpy as np
 from . import baked, pictures
 from .evaluate import Evaluator
 from .lower import reachable
+from .schema import is_link
 from .values import Unknown, affine, as_color, as_number
 
-# Texels along the longer side of a baked picture; cells along a grid's longest side, the fewest that do. Picked by feel.
+# Texels along the longer side of a baked picture, and of one that holds finer pictures at most; cells along a grid's longest side, the fewest that do. Picked by feel.
 PICTURE_SIZE = 1024
+MOST_PICTURE_SIZE = 4096
 GRID_SIZES = (20, 40, 80, 160)
 # A grid does when it is off by this share of the largest density, root mean square at places drawn at random.
 GRID_ERROR = 0.01
@@ -77,24 +79,34 @@ class Baker:
     def _picture(self, nodes, value, used, uv_set, box, add, log, names, is_color):
         (u0, v0), (u1, v1) = box
         grid = _checker_lattice(used, box)
+        repeats = not grid and _repeats(used)
         if grid:
             (u0, v0), (u1, v1), (width, height) = grid
         else:
+            if repeats:
+                (u0, v0), (u1, v1) = (0.0, 0.0), (1.0, 1.0)
             span = max(u1 - u0, v1 - v0, 1e-6)
-            width, height = (max(2, round(PICTURE_SIZE * s / span)) for s in (u1 - u0, v1 - v0))
+            size = max([PICTURE_SIZE, *(self._texels(n) * span for n in used if n["type"] == "image")])
+            width, height = (max(2, round(min(size, MOST_PICTURE_SIZE) * s / span)) for s in (u1 - u0, v1 - v0))
         u = u0 + (np.arange(width) + 0.5) / width * (u1 - u0)
         v = v1 - (np.arange(height) + 0.5) / height * (v1 - v0)
-        p = np.stack([*(a.ravel() for a in np.meshgrid(u, v)), np.zeros(width * height)], axis=-1)
 
-        def points(source, _):
-            if source != "uv":
-                raise Unknown(f"coordinates of source {source}")
-            return p
+        def part(rows):
+            p = np.stack([*(a.ravel() for a in np.meshgrid(u, v[rows])), np.zeros(width * len(v[rows]))], axis=-1)
 
-        def pixels():
+            def points(source, _):
+                if source != "uv":
+                    raise Unknown(f"coordinates of source {source}")
+                return p
+
             out = np.asarray(Evaluator(nodes, points, self.at.image, self.at.about).value(value), np.float32)
             out = (as_color(out) if is_color else as_color(as_number(out))).reshape(-1, 3)
-            return np.broadcast_to(out, (width * height, 3)).reshape(height, width, 3)
+            return np.broadcast_to(out, (len(p), 3)).reshape(-1, width, 3)
+
+        def pixels():
+            # In strips, so that what is between takes little memory.
+            step = max(1, (1 << 20) // width)
+            return np.concatenate([part(slice(first, first + step)) for first in range(0, height, step)])
 
         image = self._kept_picture(nodes, value, used, is_color, (width, height, u0, v0, u1, v1), pixels)
         if not grid:
@@ -104,7 +116,7 @@ class Baker:
             "image": image,
             "coordinates": {"source": "uv"},
             "interpolation": "closest" if grid else "linear",
-            "extension": "extend",
+            "extension": "repeat" if repeats else "extend",
         }
         if uv_set:
             record["coordinates"]["uvSet"] = uv_set
@@ -112,6 +124,12 @@ class Baker:
             su, sv = 1.0 / (u1 - u0), 1.0 / (v1 - v0)
             record["coordinates"]["affine"] = [su, 0, 0, -u0 * su, 0, sv, 0, -v0 * sv, 0, 0, 1, 0]
         return _linked(record, add, is_color)
+
+    def _texels(self, node):
+        """Texels of a picture along a unit of u or v."""
+        height, width = self.at.image(node["image"]).shape[:2]
+        rows = np.abs(np.asarray(node["coordinates"].get("affine", np.eye(3, 4).ravel())).reshape(3, 4))
+        return max(width * rows[0, :2].max(), height * rows[1, :2].max())
 
     def _kept_picture(self, nodes, value, used, is_color, where, pixels):
         """Index of a picture: that of an earlier export where nothing changed, else of `pixels()`."""
@@ -218,6 +236,18 @@ def _linked(record, add, is_color):
     """A picture's colour, or its red channel as a number."""
     link = {"node": add(record), "output": "color"}
     return link if is_color else {"node": add({"type": "separate", "color": link}), "output": "x"}
+
+
+def _repeats(used):
+    """Whether a value is that of pictures alone that come again with every unit of u and v."""
+    textures = [n for n in used if "coordinates" in n]
+    for n in textures:
+        if n["type"] != "image" or n.get("extension", "repeat") != "repeat" or is_link(n["coordinates"]):
+            return False
+        turn = np.asarray(n["coordinates"].get("affine", np.eye(3, 4).ravel())).reshape(3, 4)[:2, :2]
+        if np.abs(turn - np.round(turn)).max() > 1e-6:
+            return False
+    return bool(textures)
 
 
 def _checker_lattice(used, box):
