@@ -7,10 +7,10 @@ use crate::cpu_time::thread_seconds;
 use crate::kernel::intersect::mesh::intersect_mesh;
 use crate::kernel::intersect::mesh_packet::{PacketHits, intersect_mesh_packet};
 use crate::kernel::intersect::{HitSink, LocalRay, Part};
-use crate::math::{DVec3, Ray};
+use crate::math::{DVec3, Ray, Vec3};
 use crate::scene::Mesh;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 
@@ -194,6 +194,15 @@ impl Peer {
     }
 }
 
+impl Peer {
+    /// Depths of the rays of a kind, `width` traced together.
+    fn depths(&mut self, folder: &Path, kind: &str, width: u32) -> Result<Vec<f32>, String> {
+        self.ask(&format!("depths {kind} {width}"))?;
+        let bytes = std::fs::read(folder.join(format!("{kind}.depths"))).map_err(|e| e.to_string())?;
+        Ok(bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+    }
+}
+
 impl Drop for Peer {
     fn drop(&mut self) {
         _ = self.child.kill();
@@ -201,17 +210,38 @@ impl Drop for Peer {
     }
 }
 
-/// Faces and rays as files of 32-bit numbers, and the peer's source, in `folder`.
-fn write_files(folder: &Path, mesh: &Mesh, rays: &RaySets) -> std::io::Result<()> {
-    let write = |name: &str, numbers: &mut dyn Iterator<Item = f32>| {
-        std::fs::write(folder.join(name), numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>())
-    };
-    write("faces", &mut mesh.faces.iter().flatten().flat_map(|v| mesh.vertices[*v as usize].to_array()))?;
-    for (kind, set) in RAY_KINDS.iter().zip(&rays.sets) {
-        write(kind, &mut set.iter().flat_map(file_ray))?;
-    }
+/// A file of 32-bit numbers.
+fn write_numbers(path: PathBuf, numbers: impl Iterator<Item = f32>) -> std::io::Result<()> {
+    std::fs::write(path, numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>())
+}
+
+/// Corners of faces as a file, and the peer's source, in `folder`.
+fn write_faces(folder: &Path, corners: impl Iterator<Item = Vec3>) -> std::io::Result<()> {
+    write_numbers(folder.join("faces"), corners.flat_map(|v| v.to_array()))?;
     std::fs::write(folder.join("embree.py"), SCRIPT)?;
     std::fs::write(folder.join("embree.c"), PROGRAM)
+}
+
+fn write_files(folder: &Path, mesh: &Mesh, rays: &RaySets) -> std::io::Result<()> {
+    write_faces(folder, mesh.faces.iter().flatten().map(|v| mesh.vertices[*v as usize]))?;
+    RAY_KINDS.iter().zip(&rays.sets).try_for_each(|(kind, set)| write_numbers(folder.join(kind), set.iter().flat_map(file_ray)))
+}
+
+/// Depths of what Embree meets on single rays (without a far end) among faces, infinite for nothing; all in 32 bits.
+///
+/// # Errors
+/// What the peer lacks.
+pub fn depths(python: &Path, faces: &[[DVec3; 3]], rays: &[Ray], robust: bool) -> Result<Vec<f32>, String> {
+    /// Any kind whose rays ask for the nearest hit.
+    const KIND: &str = RAY_KINDS[3];
+    let folder = tempfile::tempdir().map_err(|e| format!("cannot make a temporary folder: {e}"))?;
+    let rays = rays.iter().map(|ray| TestRay { ray: *ray, t_max: f64::INFINITY });
+    write_faces(folder.path(), faces.iter().flatten().map(|v| v.as_vec3()))
+        .and_then(|()| write_numbers(folder.path().join(KIND), rays.flat_map(|r| file_ray(&r))))
+        .map_err(|e| format!("cannot write to '{}': {e}", folder.path().display()))?;
+    let mut peer = Peer::start(python, folder.path(), robust)?;
+    peer.ask("build")?;
+    peer.depths(folder.path(), KIND, 1)
 }
 
 /// Measures `kinds` and Embree over `mesh`; `told` hears of each round.
@@ -273,10 +303,8 @@ pub fn run(
             row.apart[which] = depths(ours).iter().zip(&truth).filter(|(a, b)| a != b).count();
         }
         for (k, (_, width, robust)) in PEERS.iter().enumerate() {
-            peers[usize::from(*robust)].ask(&format!("depths {} {width}", RAY_KINDS[which]))?;
-            let bytes = std::fs::read(folder.path().join(format!("{}.depths", RAY_KINDS[which]))).map_err(|e| e.to_string())?;
-            let theirs = bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])));
-            rows[ours.len() + k].apart[which] = theirs.zip(&truth).filter(|(a, b)| !same_depth(*a, **b)).count();
+            let theirs = peers[usize::from(*robust)].depths(folder.path(), RAY_KINDS[which], *width)?;
+            rows[ours.len() + k].apart[which] = theirs.into_iter().map(f64::from).zip(&truth).filter(|(a, b)| !same_depth(*a, **b)).count();
         }
     }
     for round in 0..rounds {

@@ -1,5 +1,5 @@
-//! Error against time: the same picture with more and more samples, several seeds each, by every renderer in turn.
-//! Errors are measured against a reference picture in linear light; times leave loading and writing out.
+//! Error against time: the same picture with more and more samples (or POV-Ray's antialiasing, finer and finer), several seeds each, by every
+//! renderer in turn. Errors are measured against a reference picture in linear light; times leave loading and writing out.
 
 use crate::backend::Backend;
 use crate::compare::{CompareOptions, Flip, Picture, Space, compare};
@@ -7,7 +7,8 @@ use crate::compile::{CompileOptions, compile_scene};
 use crate::cpu_time::process_seconds;
 use crate::diag::Sink;
 use crate::film::Film;
-use crate::integrate::{IntegratorKind, RenderSettings};
+use crate::integrate::{Antialias, IntegratorKind, RenderSettings};
+use crate::lang::options::PovOptions;
 use crate::scene::Scene;
 use std::path::PathBuf;
 use std::process::Command;
@@ -24,18 +25,72 @@ pub struct Timed {
     pub cpu: f64,
 }
 
+/// How much work goes into a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Setting {
+    /// Path traced, with so many samples a pixel.
+    Samples(u32),
+    /// POV-Ray's light transport and antialiasing; none for one sample in the middle of each pixel.
+    Antialias(Option<Supersampling>),
+}
+
+/// What of POV-Ray's antialiasing decides its work: `+AM +A +R`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Supersampling {
+    /// 1 or 2.
+    pub method: u8,
+    /// Difference that asks for more samples, 0 to 1.
+    pub threshold: f32,
+    /// 1 to 9.
+    pub depth: u8,
+}
+
+impl std::fmt::Display for Setting {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Self::Samples(n) => write!(f, "{n}"),
+            Self::Antialias(None) => write!(f, "off"),
+            Self::Antialias(Some(a)) => write!(f, "{}:{}:{}", a.method, a.threshold, a.depth),
+        }
+    }
+}
+
+impl std::str::FromStr for Supersampling {
+    type Err = String;
+
+    /// `METHOD:THRESHOLD:DEPTH`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let words: Vec<&str> = text.split(':').collect();
+        let [method, threshold, depth] = words[..] else { return Err("METHOD:THRESHOLD:DEPTH is expected, as 1:0.3:3".into()) };
+        match (method.parse(), threshold.parse(), depth.parse()) {
+            (Ok(method @ 1..=2), Ok(threshold), Ok(depth @ 1..=9)) if (0.0..=1.0).contains(&threshold) => {
+                Ok(Self { method, threshold, depth })
+            }
+            _ => Err("method 1 or 2, threshold 0 to 1, depth 1 to 9".into()),
+        }
+    }
+}
+
+impl Supersampling {
+    /// The rest as POV-Ray has it where nothing is said.
+    fn with_defaults(self) -> Antialias {
+        let (Self { method, threshold, depth }, o) = (self, PovOptions::default());
+        Antialias { method, threshold, depth, jitter: if o.jitter { o.jitter_amount } else { 0.0 }, gamma: o.antialias_gamma as f32 }
+    }
+}
+
 /// Something that renders the picture.
 pub trait Renderer {
     /// For tables.
     fn name(&self) -> String;
-    /// The picture with `samples` a pixel.
+    /// The picture.
     ///
     /// # Errors
     /// What the renderer said.
-    fn render(&mut self, samples: u32, seed: u32) -> Result<Timed, String>;
+    fn render(&mut self, setting: Setting, seed: u32) -> Result<Timed, String>;
 }
 
-/// The path integrator on a device.
+/// This renderer on a device.
 pub struct Ours<'a> {
     /// Where.
     pub backend: &'a dyn Backend,
@@ -52,14 +107,12 @@ impl Renderer for Ours<'_> {
         format!("rayloom, {}", self.backend.name())
     }
 
-    fn render(&mut self, samples: u32, seed: u32) -> Result<Timed, String> {
+    fn render(&mut self, setting: Setting, seed: u32) -> Result<Timed, String> {
         let (width, height) = self.size;
-        let settings = RenderSettings {
-            samples: 0..samples,
-            integrator: IntegratorKind::Path,
-            threads: self.threads,
-            seed,
-            ..RenderSettings::plain(width, height)
+        let plain = RenderSettings { threads: self.threads, in_order: self.threads == 1, seed, ..RenderSettings::plain(width, height) };
+        let settings = match setting {
+            Setting::Samples(n) => RenderSettings { samples: 0..n, integrator: IntegratorKind::Path, ..plain },
+            Setting::Antialias(a) => RenderSettings { antialias: a.map(Supersampling::with_defaults), ..plain },
         };
         let mut film = Film::new(width, height);
         let (start, before) = (Instant::now(), process_seconds());
@@ -71,7 +124,7 @@ impl Renderer for Ours<'_> {
     }
 }
 
-/// Another program, through a script of ours for Python that takes SCENE WIDTH HEIGHT SAMPLES SEED THREADS OUT.exr and prints "seconds WALL CPU".
+/// Another program, through a script of ours for Python that takes SCENE WIDTH HEIGHT SETTING SEED THREADS OUT.exr and prints "seconds WALL CPU".
 pub struct Peer {
     /// For tables.
     pub name: String,
@@ -96,8 +149,8 @@ impl Renderer for Peer {
         self.name.clone()
     }
 
-    fn render(&mut self, samples: u32, seed: u32) -> Result<Timed, String> {
-        let numbers = [self.size.0, self.size.1, samples, seed, self.threads as u32].map(|n| n.to_string());
+    fn render(&mut self, setting: Setting, seed: u32) -> Result<Timed, String> {
+        let numbers = [&self.size.0 as &dyn std::fmt::Display, &self.size.1, &setting, &seed, &self.threads].map(|n| n.to_string());
         let mut command = Command::new(&self.python);
         command.arg(&self.script).arg(&self.scene).args(numbers).arg(&self.out).args(&self.more);
         let ended = command.output().map_err(|e| format!("cannot run '{}': {e}", self.python.display()))?;
@@ -120,8 +173,8 @@ impl Renderer for Peer {
 pub struct Point {
     /// Which renderer.
     pub renderer: String,
-    /// Samples a pixel.
-    pub samples: u32,
+    /// With what work.
+    pub setting: Setting,
     /// Seed.
     pub seed: u32,
     /// Wall clock seconds.
@@ -136,29 +189,29 @@ pub struct Point {
     pub mean_error: f64,
 }
 
-/// Renders and judges: seed after seed, all sample counts, the renderers in turn, so that a busy machine slows all alike.
+/// Renders and judges: seed after seed, all settings, the renderers in turn, so that a busy machine slows all alike.
 ///
 /// # Errors
 /// The first renderer that fails, or a picture of another size.
 pub fn run(
     renderers: &mut [&mut dyn Renderer],
     reference: &Picture,
-    counts: &[u32],
+    settings: &[Setting],
     seeds: u32,
     told: &mut dyn FnMut(&Point),
 ) -> Result<Vec<Point>, String> {
     let mut points = Vec::new();
     let reference = clamped(reference.clone());
     for seed in 0..seeds {
-        for samples in counts {
+        for setting in settings {
             for r in renderers.iter_mut() {
-                let timed = r.render(*samples, seed)?;
+                let timed = r.render(*setting, seed)?;
                 let options = CompareOptions { space: Space::Linear, flip: Flip::Ldr, ..CompareOptions::default() };
                 let m = compare(clamped(timed.picture), reference.clone(), &options)
                     .ok_or_else(|| format!("{} gave a picture of another size than the reference", r.name()))?;
                 let point = Point {
                     renderer: r.name(),
-                    samples: *samples,
+                    setting: *setting,
                     seed,
                     wall: timed.wall,
                     cpu: timed.cpu,
@@ -179,15 +232,15 @@ const REFERENCE_SEED: u32 = 1_000_000;
 /// Converged pictures of one scene differ by less: ANCHORS' gate.
 pub const AGREEMENT: f64 = 1e-4;
 
-/// A reference that favours nobody: the mean of every renderer's picture with `samples` a pixel. With it, by renderer, how far (relMSE) its own
+/// A reference that favours nobody: the mean of every renderer's picture of this setting. With it, by renderer, how far (relMSE) its own
 /// is from the mean of the others.
 ///
 /// # Errors
 /// As [`run`].
-pub fn common_reference(renderers: &mut [&mut dyn Renderer], samples: u32) -> Result<(Picture, Vec<f64>), String> {
+pub fn common_reference(renderers: &mut [&mut dyn Renderer], setting: Setting) -> Result<(Picture, Vec<f64>), String> {
     let mut pictures = Vec::new();
     for r in renderers.iter_mut() {
-        pictures.push(r.render(samples, REFERENCE_SEED)?.picture);
+        pictures.push(r.render(setting, REFERENCE_SEED)?.picture);
     }
     let mean_of = |list: &[&Picture]| {
         let mut sum = list[0].clone();
@@ -221,39 +274,57 @@ fn clamped(mut p: Picture) -> Picture {
     p
 }
 
-/// Mean over the seeds of a renderer's pictures with as many samples.
+/// Mean over the seeds of a renderer's pictures with as much work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mean {
-    /// Samples a pixel.
-    pub samples: u32,
+    /// With what work.
+    pub setting: Setting,
     /// Seconds (cores or wall clock).
     pub seconds: f64,
     /// Mean error.
     pub rel_mse: f64,
     /// Half of the width of the 95 % interval of the error.
     pub spread: f64,
+    /// Mean FLIP.
+    pub flip: f64,
 }
 
-/// Means of one renderer, by samples. `by_cpu` takes the cores' seconds instead of the clock's.
+/// Means of one renderer, in the order measured. `by_cpu` takes the cores' seconds instead of the clock's.
 pub fn means(points: &[Point], renderer: &str, by_cpu: bool) -> Vec<Mean> {
-    let mut counts: Vec<u32> = points.iter().map(|p| p.samples).collect();
-    counts.sort_unstable();
-    counts.dedup();
-    let of = |samples: u32| {
-        let own: Vec<&Point> = points.iter().filter(|p| p.renderer == renderer && p.samples == samples).collect();
+    let mut settings: Vec<Setting> = Vec::new();
+    for p in points.iter().filter(|p| p.renderer == renderer) {
+        if !settings.contains(&p.setting) {
+            settings.push(p.setting);
+        }
+    }
+    let of = |setting: Setting| {
+        let own: Vec<&Point> = points.iter().filter(|p| p.renderer == renderer && p.setting == setting).collect();
         let n = own.len() as f64;
         let mean = |f: &dyn Fn(&Point) -> f64| own.iter().map(|p| f(p)).sum::<f64>() / n;
         let rel_mse = mean(&|p| p.rel_mse);
         let variance = own.iter().map(|p| (p.rel_mse - rel_mse).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
         let seconds = mean(&|p| if by_cpu && p.cpu.is_finite() { p.cpu } else { p.wall });
-        Mean { samples, seconds, rel_mse, spread: 1.96 * (variance / n).sqrt() }
+        Mean { setting, seconds, rel_mse, spread: 1.96 * (variance / n).sqrt(), flip: mean(&|p| p.flip) }
     };
-    counts.into_iter().map(of).filter(|m| m.rel_mse.is_finite()).collect()
+    settings.into_iter().map(of).filter(|m| m.rel_mse.is_finite()).collect()
 }
 
-/// Seconds until the error is `target`, between the counts measured on a double logarithmic line; `None` outside of them.
+/// Those that nothing quicker is as good as, the quickest first.
+pub fn best(means: &[Mean]) -> Vec<Mean> {
+    let mut sorted = means.to_vec();
+    sorted.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let mut least = f64::INFINITY;
+    sorted.retain(|m| {
+        let better = m.rel_mse < least;
+        least = least.min(m.rel_mse);
+        better
+    });
+    sorted
+}
+
+/// Seconds until the error is `target`, between the best measured on a double logarithmic line; `None` outside of them.
 pub fn seconds_to(means: &[Mean], target: f64) -> Option<f64> {
-    means.windows(2).find(|w| w[0].rel_mse >= target && w[1].rel_mse <= target).map(|w| {
+    best(means).windows(2).find(|w| w[0].rel_mse >= target && w[1].rel_mse <= target).map(|w| {
         let [a, b] = [&w[0], &w[1]].map(|m| (m.seconds.ln(), m.rel_mse.ln()));
         let along = if a.1 == b.1 { 0.0 } else { (a.1 - target.ln()) / (a.1 - b.1) };
         (a.0 + along * (b.0 - a.0)).exp()
@@ -265,7 +336,16 @@ mod tests {
     use super::*;
 
     fn point(samples: u32, wall: f64, rel_mse: f64) -> Point {
-        Point { renderer: "r".into(), samples, seed: 0, wall, cpu: f64::NAN, rel_mse, flip: 0.0, mean_error: 1.0 }
+        Point {
+            renderer: "r".into(),
+            setting: Setting::Samples(samples),
+            seed: 0,
+            wall,
+            cpu: f64::NAN,
+            rel_mse,
+            flip: 0.0,
+            mean_error: 1.0,
+        }
     }
 
     #[test]
@@ -275,5 +355,23 @@ mod tests {
         assert!((seconds_to(&m, 0.25).expect("between") - 4.0).abs() < 1e-9);
         assert_eq!(seconds_to(&m, 2.0), None);
         assert_eq!(seconds_to(&m, 0.01), None);
+    }
+
+    #[test]
+    fn what_is_slower_and_no_better_is_passed_over() {
+        let m = means(&[point(1, 1.0, 1.0), point(2, 8.0, 2.0), point(4, 4.0, 0.25), point(8, 5.0, 0.25)], "r", false);
+        assert_eq!(best(&m).iter().map(|m| m.seconds).collect::<Vec<_>>(), [1.0, 4.0]);
+        assert!((seconds_to(&m, 0.5).expect("between") - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn antialiasing_is_read_as_it_is_told() {
+        for text in ["1:0.3:3", "2:0:9"] {
+            let a: Supersampling = text.parse().expect("well formed");
+            assert_eq!(Setting::Antialias(Some(a)).to_string(), text);
+        }
+        for text in ["", "1:0.3", "3:0.3:3", "1:2:3", "1:0.3:0", "1:0.3:3:4", "1:NaN:3"] {
+            assert!(text.parse::<Supersampling>().is_err(), "{text}");
+        }
     }
 }

@@ -62,20 +62,20 @@ pub fn intersect_merged(
             return Some(far);
         }
         nearest.push_face(member.prim_ix, t, part);
-        Some(nearest.t)
+        Some(nearest.limit())
     });
     let g = &scene.geometry;
     let is_seen = |prim_ix: u32| g.prims[prim_ix as usize].flags & skip_flags == 0;
     g.unbounded.iter().copied().filter(|p| is_seen(*p)).for_each(|p| nearest.test(p));
     if !merged.rest.is_empty() {
-        let far = nearest.t;
+        let far = nearest.limit();
         merged.rest_tree.closest(ray, t_min, far, |k, far| {
             let prim_ix = merged.rest[k as usize];
             if !is_seen(prim_ix) {
                 return None;
             }
             nearest.test(prim_ix);
-            (nearest.t < far).then_some(nearest.t)
+            (nearest.limit() < far).then_some(nearest.limit())
         });
     }
     nearest.finish()
@@ -102,13 +102,13 @@ pub fn intersect_merged_object(
         }
     }
     if has_members {
-        let far = nearest.t;
+        let far = nearest.limit();
         visit(merged, ray, far, |member, t, part, far| {
             if member.object_ix != object_ix {
                 return Some(far);
             }
             nearest.push_face(member.prim_ix, t, part);
-            Some(nearest.t)
+            Some(nearest.limit())
         });
     }
     nearest.finish()

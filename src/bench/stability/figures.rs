@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use super::meshes::Triangles;
+use super::peers::Peers;
 use crate::accel::AccelKind;
 
 /// How many rays a figure takes, at most.
@@ -29,8 +30,10 @@ pub struct Figure {
     pub case: u32,
     /// What was counted or measured.
     pub what: String,
-    /// Where: "CPU", or a GPU's name.
+    /// Where: "CPU", a GPU's name, or another program's.
     pub machine: String,
+    /// Another program's: held to no bar.
+    pub is_peer: bool,
     /// The figure.
     pub value: f64,
     /// Most that it may be.
@@ -61,9 +64,9 @@ const KNOWN: &[(u32, &str, bool, &str)] = &[
 ];
 
 impl Figure {
-    /// Whether it keeps its bar or misses it for a known reason.
+    /// Whether it keeps its bar, misses it for a known reason, or is another program's.
     pub fn passes(&self) -> bool {
-        self.holds() || self.known.is_some()
+        self.holds() || self.known.is_some() || self.is_peer
     }
 
     /// Whether it keeps its bar; NaN does not.
@@ -84,6 +87,8 @@ pub struct Report<'t> {
     /// Devices to measure besides the CPU.
     #[cfg(feature = "gpu")]
     pub(super) gpus: Vec<crate::backend::gpu::Gpu>,
+    /// Other programs to ask.
+    pub(super) peers: Peers,
     /// What is known so far.
     pub figures: Vec<Figure>,
     told: &'t mut dyn FnMut(&Figure),
@@ -93,12 +98,13 @@ pub struct Report<'t> {
 const CHUNK: u64 = 1 << 14;
 
 impl<'t> Report<'t> {
-    pub(super) fn new(effort: Effort, told: &'t mut dyn FnMut(&Figure)) -> Self {
+    pub(super) fn new(effort: Effort, peers: Peers, told: &'t mut dyn FnMut(&Figure)) -> Self {
         Self {
             effort,
             case: 0,
             #[cfg(feature = "gpu")]
             gpus: if effort.gpus { crate::backend::gpu::open_all(true) } else { Vec::new() },
+            peers,
             figures: Vec::new(),
             told,
         }
@@ -113,7 +119,15 @@ impl<'t> Report<'t> {
         let on_gpu = machine != CPU;
         let is_known = |k: &&(u32, &str, bool, &str)| k.0 == self.case && what.contains(k.1) && k.2 == on_gpu;
         let known = KNOWN.iter().find(is_known).map(|k| k.3);
-        let figure = Figure { case: self.case, what, machine, value, bar, of, known };
+        self.push(Figure { case: self.case, what, machine, is_peer: false, value, bar, of, known });
+    }
+
+    /// A figure of another program's.
+    pub(super) fn peer(&mut self, name: &str, what: String, value: f64, of: u64) {
+        self.push(Figure { case: self.case, what, machine: name.into(), is_peer: true, value, bar: f64::NAN, of, known: None });
+    }
+
+    fn push(&mut self, figure: Figure) {
         (self.told)(&figure);
         self.figures.push(figure);
     }
@@ -134,13 +148,17 @@ pub(super) fn total(n: u64, seed: u64, count: impl Fn(&mut SplitMix64) -> u64 + 
     (0..chunks).into_par_iter().map(of_chunk).sum()
 }
 
+/// The largest; NaN counts as infinite.
+pub(super) fn worst_of(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(f64::NEG_INFINITY, |m, v| if v.is_nan() { f64::INFINITY } else { m.max(v) })
+}
+
 /// Largest of what `measure` gives for `n` tries; NaN counts as infinite.
 pub(super) fn largest(n: u64, seed: u64, measure: impl Fn(&mut SplitMix64) -> f64 + Sync) -> f64 {
     let chunks = n.div_ceil(CHUNK);
     let of_chunk = |k: u64| {
         let mut numbers = SplitMix64(SplitMix64(seed ^ (k << 20)).bits());
-        let worst = |m: f64, v: f64| if v.is_nan() { f64::INFINITY } else { m.max(v) };
-        (0..CHUNK.min(n - k * CHUNK)).map(|_| measure(&mut numbers)).fold(f64::NEG_INFINITY, worst)
+        worst_of((0..CHUNK.min(n - k * CHUNK)).map(|_| measure(&mut numbers)))
     };
     (0..chunks).into_par_iter().map(of_chunk).reduce(|| f64::NEG_INFINITY, f64::max)
 }

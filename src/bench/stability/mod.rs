@@ -5,6 +5,7 @@ mod figures;
 pub mod leaks;
 pub mod meshes;
 pub mod oracle;
+mod peers;
 mod pictures;
 pub mod ray_source;
 mod roots;
@@ -13,6 +14,7 @@ mod surfaces;
 mod trees;
 
 pub use figures::{Effort, Figure, Report};
+pub use peers::Peers;
 
 /// A case of the table.
 pub struct Case {
@@ -51,9 +53,10 @@ pub const CASES: [Case; 24] = [
     Case { number: 24, name: "white furnace, 64 bounces", run: pictures::furnace },
 ];
 
-/// Runs the cases with these numbers (all for none); `told` hears of every figure as soon as it is known.
-pub fn run(numbers: &[u32], effort: Effort, told: &mut dyn FnMut(&Figure)) -> Vec<Figure> {
-    let mut report = Report::new(effort, told);
+/// Runs the cases with these numbers (all for none); `told` hears of every figure as soon as it is known. `peers` are asked as well where they
+/// can answer.
+pub fn run(numbers: &[u32], effort: Effort, peers: Peers, told: &mut dyn FnMut(&Figure)) -> Vec<Figure> {
+    let mut report = Report::new(effort, peers, told);
     for case in CASES.iter().filter(|c| numbers.is_empty() || numbers.contains(&c.number)) {
         report.case = case.number;
         (case.run)(&mut report);

@@ -1,6 +1,7 @@
 //! Cases 15 and 16: roots of quartics, from afar and in their worst constellations.
 
-use super::figures::{Report, largest, scene, total};
+use super::figures::{Report, largest, scene, total, worst_of};
+use super::peers::PovHit;
 use crate::kernel::traverse::intersect;
 use crate::math::random::SplitMix64;
 use crate::math::roots::{solve_polynomial, solve_quartic};
@@ -23,31 +24,41 @@ fn torus_point(r: &mut SplitMix64) -> (DVec3, DVec3) {
 }
 
 pub(super) fn far_torus(report: &mut Report) {
-    let scene = scene("torus { 1, 0.25 pigment { rgb 1 } }");
+    const TORUS: &str = "torus { 1, 0.25 }";
+    let scene = scene(&format!("object {{ {TORUS} pigment {{ rgb 1 }} }}"));
     let n = report.rays(60);
     for exponent in 0..=6 {
         let distance = 3.0 * 10f64.powi(exponent);
-        let cast = |eye: DVec3, to: DVec3| intersect(&scene, &Ray::new(eye, (to - eye).normalize()), 0.0, FAR, 0);
-        let on = |r: &mut SplitMix64| {
+        // With how far away the point that it passes through is.
+        let aim = |r: &mut SplitMix64| {
             let (p, normal) = torus_point(r);
             // Every third ray grazes: it runs along the tangent plane, a thousandth of the tube's radius below.
             let grazing = r.below(3) == 0;
             let toward = if grazing { normal.cross(r.direction()).normalize() } else { r.direction() };
-            let p = if grazing { p - 1e-3 * MINOR * normal } else { p };
-            (p + distance * toward, p)
+            let to = if grazing { p - 1e-3 * MINOR * normal } else { p };
+            let eye = to + distance * toward;
+            (Ray::new(eye, (to - eye).normalize()), (to - eye).length())
         };
-        let residual = largest(n, 16, |r| {
-            let (eye, to) = on(r);
-            cast(eye, to).map_or(0.0, |h| torus_distance(h.point).abs())
+        let residual = |point: Option<DVec3>| point.map_or(0.0, |p| torus_distance(p).abs());
+        // The ray passes through a point on or in the tube: something is met no later than there.
+        let is_lost = |depth: Option<f64>, to: f64| !depth.is_some_and(|t| t <= to + 1e-6);
+        let cast = |ray: &Ray| intersect(&scene, ray, 0.0, FAR, 0);
+        let far_off = format!("largest distance of a hit from the torus, from {distance:.0}");
+        let lost = format!("roots lost, from {distance:.0}");
+        report.cpu(&far_off, largest(n, 16, |r| residual(cast(&aim(r).0).map(|h| h.point))), 1e-6 * MAJOR, n);
+        let n_lost = total(n, 17, |r| {
+            let (ray, to) = aim(r);
+            u64::from(is_lost(cast(&ray).map(|h| h.t), to))
         });
-        report.cpu(format!("largest distance of a hit from the torus, from {distance:.0}"), residual, 1e-6 * MAJOR, n);
-        let lost = total(n, 17, |r| {
-            let (eye, to) = on(r);
-            // The ray passes through a point on or in the tube: something is met no later than there.
-            let met = cast(eye, to).is_some_and(|h| h.t <= (to - eye).length() + 1e-6);
-            u64::from(!met)
-        });
-        report.cpu(format!("roots lost, from {distance:.0}"), lost as f64, 0.0, n);
+        report.cpu(&lost, n_lost as f64, 0.0, n);
+        for (kind, text) in [("", TORUS), (", sturm", "torus { 1, 0.25 sturm }")] {
+            let Some(traced) = report.povray(text, n, 17, aim) else { continue };
+            let of = traced.len() as u64;
+            report.povray_figure(format!("{far_off}{kind}"), worst_of(traced.iter().map(|(_, _, hit)| residual(hit.map(|h| h.point)))), of);
+            let depth = |ray: &Ray, hit: &Option<PovHit>| hit.map(|h| (h.point - ray.origin).length());
+            let n_lost = traced.iter().filter(|(ray, to, hit)| is_lost(depth(ray, hit), *to)).count();
+            report.povray_figure(format!("{lost}{kind}"), n_lost as f64, of);
+        }
     }
 }
 

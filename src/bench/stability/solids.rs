@@ -83,10 +83,17 @@ pub(super) fn coincident(report: &mut Report) {
         let from = to + DVec3::new(r.unit() - 0.5, 1.0 + r.unit(), r.unit() - 0.5);
         Ray::new(from, (to - from).normalize())
     };
-    let same = scene("difference { box { 0, 1 } box { 0, 1 } pigment { rgb 1 } }");
-    let seen = total(n, 22, |r| u64::from(intersect(&same, &from_above(r, DVec3::ZERO, DVec3::ONE), MIN_DEPTH, FAR, 0).is_some()));
+    const NOTHING_LEFT: &str = "difference { box { 0, 1 } box { 0, 1 } }";
+    const SPECKS: &str = "specks on a box less itself";
+    let same = scene(&format!("object {{ {NOTHING_LEFT} pigment {{ rgb 1 }} }}"));
+    let aim = |r: &mut SplitMix64| from_above(r, DVec3::ZERO, DVec3::ONE);
+    let seen = total(n, 22, |r| u64::from(intersect(&same, &aim(r), MIN_DEPTH, FAR, 0).is_some()));
     // POV-Ray shows such a face; what matters is that it does so everywhere.
-    report.cpu("specks on a box less itself", seen.min(n - seen) as f64, 0.0, n);
+    report.cpu(SPECKS, seen.min(n - seen) as f64, 0.0, n);
+    if let Some(traced) = report.povray(NOTHING_LEFT, n, 22, |r| (aim(r), ())) {
+        let (of, seen) = (traced.len(), traced.iter().filter(|t| t.2.is_some()).count());
+        report.povray_figure(SPECKS, seen.min(of - seen) as f64, of as u64);
+    }
     let lid = scene("difference { box { 0, 1 } box { <0.25,0.5,0.25>, <0.75,1,0.75> } pigment { rgb 1 } }");
     let above = total(n, 23, |r| {
         let ray = from_above(r, DVec3::new(0.26, 0.0, 0.26), DVec3::new(0.74, 1.0, 0.74));

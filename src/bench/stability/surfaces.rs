@@ -1,6 +1,7 @@
 //! Cases 10, 11, 13 and 14: rays that start on surfaces, gaps, distance and size. World units; depths as the integrators accept them.
 
-use super::figures::{Report, largest, scene, total};
+use super::figures::{Report, largest, scene, total, worst_of};
+use super::peers::PovHit;
 use crate::compile::CompiledScene;
 use crate::integrate::path::NEAR;
 use crate::kernel::SurfaceHit;
@@ -81,22 +82,31 @@ pub(super) fn gap(report: &mut Report) {
 }
 
 pub(super) fn far_sphere(report: &mut Report) {
-    let scene = scene("sphere { 0, 1 pigment { rgb 1 } }");
+    const SPHERE: &str = "sphere { 0, 1 }";
+    let scene = scene(&format!("object {{ {SPHERE} pigment {{ rgb 1 }} }}"));
     let n = report.rays(10);
     for exponent in 2..=7 {
         let distance = 10f64.powi(exponent);
         // A point that faces the eye within 60 degrees: beyond, the direction's own rounding moves the depth by more.
-        let error = largest(n, 13, |r| {
+        let aim = |r: &mut SplitMix64| {
             let toward = r.direction();
             let point = toward + 0.5 * r.direction();
             let point = point.normalize();
             let eye = distance * toward;
             let want = (eye - point).length();
-            let ray = Ray::new(eye, (point - eye) / want);
-            let got = intersect(&scene, &ray, 0.0, FAR, 0).map_or(f64::NAN, |h| h.t);
-            (got - want).abs() / want / f64::EPSILON
+            (Ray::new(eye, (point - eye) / want), want)
+        };
+        let error = |want: f64, got: Option<f64>| (got.unwrap_or(f64::NAN) - want).abs() / want / f64::EPSILON;
+        let worst = largest(n, 13, |r| {
+            let (ray, want) = aim(r);
+            error(want, intersect(&scene, &ray, 0.0, FAR, 0).map(|h| h.t))
         });
-        report.cpu(format!("largest error of depth in units in the last place, from 1e{exponent}"), error, 8.0, n);
+        let what = format!("largest error of depth in units in the last place, from 1e{exponent}");
+        report.cpu(&what, worst, 8.0, n);
+        if let Some(traced) = report.povray(SPHERE, n, 13, aim) {
+            let errors = traced.iter().map(|(ray, want, hit)| error(*want, hit.map(|h| (h.point - ray.origin).length())));
+            report.povray_figure(what, worst_of(errors), traced.len() as u64);
+        }
     }
 }
 
@@ -111,6 +121,12 @@ pub(super) fn giant_sphere(report: &mut Report) {
     };
     let error = largest(n, 14, |r| view(r).1.map_or(f64::NAN, |h| (h.normal - (h.point - center).normalize()).length()));
     report.cpu("largest error of the normal", error, 1e-4, n);
+    let from_above = |r: &mut SplitMix64| (Ray::new(DVec3::Y, view(r).0), ());
+    if let Some(traced) = report.povray("sphere { <0,-1e6,0>, 1e6 }", n, 14, from_above) {
+        let of = |h: &PovHit| (h.normal - (h.point - center).normalize()).length();
+        let errors = traced.iter().map(|(_, (), hit)| hit.as_ref().map_or(f64::NAN, of));
+        report.povray_figure("largest error of the normal", worst_of(errors), traced.len() as u64);
+    }
     for (integrator, t_min) in [("classic", SHADOW_TOLERANCE), ("path", NEAR)] {
         let dark = total(n, 15, |r| {
             let Some(hit) = view(r).1 else { return 1 };

@@ -3,7 +3,9 @@
 use crate::cli::console::{print_error, style};
 use clap::Args;
 use rayloom::backend::cpu::CpuBackend;
-use rayloom::bench::error_time::{AGREEMENT, Mean, Ours, Peer, Point, Renderer, common_reference, means, run as measure, seconds_to};
+use rayloom::bench::error_time::{
+    AGREEMENT, Mean, Ours, Peer, Point, Renderer, Setting, Supersampling, best, common_reference, means, run as measure, seconds_to,
+};
 use rayloom::bench::peer_scene::export;
 use rayloom::bench::{Line, log_chart};
 use rayloom::compare::{DEFAULT_MAX_PIXELS, Picture};
@@ -16,10 +18,13 @@ use std::process::ExitCode;
 
 /// Errors whose times are compared.
 const TARGETS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+/// The finest that POV-Ray's options allow: 82 samples in every pixel.
+const REFERENCE_ANTIALIAS: Setting = Setting::Antialias(Some(Supersampling { method: 1, threshold: 0.0, depth: 9 }));
 /// Means that are apart by more than this are of other pictures, not of noise.
 const GATE: f64 = 0.01;
 const CYCLES: &str = include_str!("../../../benches/peers/cycles_timed.py");
 const LUXCORE: &str = include_str!("../../../benches/peers/luxcore_timed.py");
+const POVRAY: &str = include_str!("../../../benches/peers/povray_timed.py");
 const MITSUBA: &str = include_str!("../../../benches/peers/mitsuba_timed.py");
 
 /// Arguments of `rayloom bench error-time`.
@@ -28,11 +33,16 @@ pub(super) struct ErrorTimeArgs {
     /// Scene
     scene: PathBuf,
     /// Picture without noise, in linear light (EXR, HDR): its size is rendered
-    #[arg(long, value_name = "FILE", required_unless_present = "reference_spp")]
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["reference_spp", "antialias"])]
     reference: Option<PathBuf>,
     /// Make the reference: the mean of every renderer's picture with so many samples a pixel, which are held against each other first
     #[arg(long, value_name = "N", conflicts_with = "reference")]
     reference_spp: Option<u32>,
+    /// POV-Ray's light transport, with its antialiasing in place of samples: off, or METHOD:THRESHOLD:DEPTH as 1:0.3:3. Without a
+    /// reference every renderer's picture with 1:0:9 makes one
+    #[arg(long, value_name = "LIST", value_delimiter = ',', conflicts_with_all = ["spp", "reference_spp", "box_filter"],
+          num_args = 0..=1, default_missing_value = "off,1:0.3:2,1:0.1:3,1:0.03:4,1:0:4,2:0.3:2,2:0.1:3,2:0.03:4,2:0.01:5", value_parser = parse_antialias)]
+    antialias: Vec<Setting>,
     /// Picture, where the reference is made
     #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = crate::cli::render::parse_size)]
     size: (u32, u32),
@@ -48,7 +58,8 @@ pub(super) struct ErrorTimeArgs {
     /// Threads of every renderer
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
-    /// Render it with others as well, in turn: `cycles`, `cycles=FILE.blend` for a scene as Blender saved it, `mitsuba`, `luxcore` (both imply --box-filter)
+    /// Render it with others as well, in turn: `cycles`, `cycles=FILE.blend` for a scene as Blender saved it, `mitsuba`, `luxcore` (both imply --box-filter),
+    /// `povray` (with --antialias)
     #[arg(long, value_name = "PROGRAM[=SCENE]", value_delimiter = ',')]
     against: Vec<String>,
     /// Python with bpy, for Cycles
@@ -66,6 +77,10 @@ pub(super) struct ErrorTimeArgs {
     /// Write a chart
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+}
+
+fn parse_antialias(text: &str) -> Result<Setting, String> {
+    if text == "off" { Ok(Setting::Antialias(None)) } else { text.parse().map(|a| Setting::Antialias(Some(a))) }
 }
 
 /// Runs it. Exit code 2 where renderers do not agree on the picture.
@@ -88,6 +103,11 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
     // These get the scene that we loaded, and filter with the pixel itself.
     let exports = args.against.iter().any(|a| a == "mitsuba" || a == "luxcore");
     let boxed = args.box_filter || exports;
+    let settings: Vec<Setting> =
+        if args.antialias.is_empty() { args.spp.iter().map(|n| Setting::Samples(*n)).collect() } else { args.antialias.clone() };
+    if let Some(other) = args.against.iter().find(|a| args.antialias.is_empty() == (*a == "povray")) {
+        return failed(format!("--against {other} goes {} --antialias", if other == "povray" { "with" } else { "without" }), 2);
+    }
     if boxed {
         scene.settings.path.filter = PixelFilter::Box;
     }
@@ -108,7 +128,8 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
             "cycles" => ("Cycles", CYCLES, &args.python, file),
             "mitsuba" => ("Mitsuba", MITSUBA, &args.mitsuba_python, folder.path().to_owned()),
             "luxcore" => ("LuxCore", LUXCORE, &args.luxcore_python, folder.path().to_owned()),
-            _ => return failed(format!("--against knows 'cycles', 'mitsuba' and 'luxcore', not '{program}'"), 2),
+            "povray" => ("POV-Ray", POVRAY, &args.python, file),
+            _ => return failed(format!("--against knows 'cycles', 'mitsuba', 'luxcore' and 'povray', not '{program}'"), 2),
         };
         let script = folder.path().join(format!("{program}_timed.py"));
         if let Err(e) = std::fs::write(&script, text) {
@@ -123,7 +144,7 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
     let names: Vec<String> = renderers.iter().map(|r| r.name()).collect();
     let reference = match known {
         Some(p) => p,
-        None => match common_reference(&mut renderers, args.reference_spp.unwrap_or(1)) {
+        None => match common_reference(&mut renderers, args.reference_spp.map_or(REFERENCE_ANTIALIAS, Setting::Samples)) {
             Ok((picture, apart)) => {
                 for (name, apart) in names.iter().zip(&apart).filter(|(_, a)| !a.is_nan()) {
                     let verdict = if *apart <= AGREEMENT { "agrees" } else { "does not agree, or is not converged" };
@@ -135,15 +156,15 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
         },
     };
     println!(
-        "{:<28} {:>6} {:>4} {:>9} {:>9} {:>10} {:>7} {:>7}",
-        "renderer", "spp", "seed", "wall s", "CPU s", "relMSE", "FLIP", "mean +-"
+        "{:<28} {:>8} {:>4} {:>9} {:>9} {:>10} {:>7} {:>7}",
+        "renderer", "work", "seed", "wall s", "CPU s", "relMSE", "FLIP", "mean +-"
     );
-    let points = match measure(&mut renderers, &reference, &args.spp, args.seeds, &mut |p| println!("{}", line(p))) {
+    let points = match measure(&mut renderers, &reference, &settings, args.seeds, &mut |p| println!("{}", line(p))) {
         Ok(points) => points,
         Err(e) => return failed(e, 1),
     };
     let tables: Vec<Vec<Mean>> = names.iter().map(|n| means(&points, n, true)).collect();
-    print!("{}", summary(&names, &tables));
+    print!("{}{}", same_work(&names, &tables), summary(&names, &tables));
     let name = args.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     for (path, text) in [(&args.csv, csv(&points)), (&args.svg, chart(&name, &names, &tables))] {
         let Some(path) = path else { continue };
@@ -151,15 +172,17 @@ pub(super) fn run(args: &ErrorTimeArgs) -> Result<ExitCode, JobError> {
             return failed(format!("cannot write '{}': {e}", path.display()), 4);
         }
     }
-    Ok(agree(&points, &names, &args.spp))
+    Ok(agree(&points, &names, &settings))
 }
 
 /// Exit code 2, and a line, for a renderer whose mean is not the reference's.
-fn agree(points: &[Point], names: &[String], counts: &[u32]) -> ExitCode {
-    let most = counts.iter().max().copied().unwrap_or(0);
+fn agree(points: &[Point], names: &[String], settings: &[Setting]) -> ExitCode {
+    // What costs most: the highest count, the last of the antialiasings.
+    let counts = settings.iter().filter_map(|s| if let Setting::Samples(n) = s { Some(*n) } else { None });
+    let most = counts.max().map_or(settings[settings.len() - 1], Setting::Samples);
     let mut code = ExitCode::SUCCESS;
     for name in names {
-        let own: Vec<f64> = points.iter().filter(|p| p.renderer == *name && p.samples == most).map(|p| p.mean_error).collect();
+        let own: Vec<f64> = points.iter().filter(|p| p.renderer == *name && p.setting == most).map(|p| p.mean_error).collect();
         let mean = own.iter().sum::<f64>() / own.len() as f64;
         if !(mean <= GATE) {
             println!("{name}: its mean is off by {:.2} %: it renders another picture, and its times mean little", 100.0 * mean);
@@ -171,9 +194,31 @@ fn agree(points: &[Point], names: &[String], counts: &[u32]) -> ExitCode {
 
 fn line(p: &Point) -> String {
     format!(
-        "{:<28} {:>6} {:>4} {:>9.3} {:>9.2} {:>10.3e} {:>7.4} {:>7.4}",
-        p.renderer, p.samples, p.seed, p.wall, p.cpu, p.rel_mse, p.flip, p.mean_error
+        "{:<28} {:>8} {:>4} {:>9.3} {:>9.2} {:>10.3e} {:>7.4} {:>7.4}",
+        p.renderer,
+        p.setting.to_string(),
+        p.seed,
+        p.wall,
+        p.cpu,
+        p.rel_mse,
+        p.flip,
+        p.mean_error
     )
+}
+
+/// Where all do the same work, as with POV-Ray's antialiasing: how long each takes for it.
+fn same_work(names: &[String], tables: &[Vec<Mean>]) -> String {
+    let mut s = String::new();
+    for ours in tables[0].iter().filter(|m| matches!(m.setting, Setting::Antialias(_))) {
+        let _ = write!(s, "{:>8}: {:.3} CPU s, relMSE {:.2e}, FLIP {:.4}", ours.setting.to_string(), ours.seconds, ours.rel_mse, ours.flip);
+        for (name, table) in names.iter().zip(tables).skip(1) {
+            if let Some(m) = table.iter().find(|m| m.setting == ours.setting) {
+                let _ = write!(s, "  {name} {:.3} CPU s ({:.2}), {:.2e}, {:.4}", m.seconds, m.seconds / ours.seconds, m.rel_mse, m.flip);
+            }
+        }
+        s.push('\n');
+    }
+    s
 }
 
 /// CPU seconds to each error, and the first renderer's share of the others'.
@@ -200,12 +245,12 @@ fn summary(names: &[String], tables: &[Vec<Mean>]) -> String {
 }
 
 fn csv(points: &[Point]) -> String {
-    let mut s = String::from("renderer,spp,seed,wall_s,cpu_s,rel_mse,flip,mean_error\n");
+    let mut s = String::from("renderer,work,seed,wall_s,cpu_s,rel_mse,flip,mean_error\n");
     for p in points {
         let _ = writeln!(
             s,
             "\"{}\",{},{},{:.6},{:.3},{:.6e},{:.6},{:.6}",
-            p.renderer, p.samples, p.seed, p.wall, p.cpu, p.rel_mse, p.flip, p.mean_error
+            p.renderer, p.setting, p.seed, p.wall, p.cpu, p.rel_mse, p.flip, p.mean_error
         );
     }
     s
@@ -214,7 +259,7 @@ fn csv(points: &[Point]) -> String {
 fn chart(title: &str, names: &[String], tables: &[Vec<Mean>]) -> String {
     let of = |(name, t): (&String, &Vec<Mean>)| Line {
         name: name.clone(),
-        points: t.iter().map(|m| [m.seconds, m.rel_mse, m.spread]).collect(),
+        points: best(t).iter().map(|m| [m.seconds, m.rel_mse, m.spread]).collect(),
     };
     let lines: Vec<Line> = names.iter().zip(tables).map(of).collect();
     log_chart(title, "CPU seconds", "relMSE", &lines)

@@ -2,7 +2,7 @@
 
 use crate::cli::console::print_error;
 use clap::Args;
-use rayloom::bench::stability::{CASES, Effort, Figure, run as measure};
+use rayloom::bench::stability::{CASES, Effort, Figure, Peers, run as measure};
 use rayloom::job::JobError;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -20,6 +20,12 @@ pub(super) struct StabilityArgs {
     /// Which machines
     #[arg(long, default_value = "all", value_parser = ["all", "cpu"])]
     devices: String,
+    /// Ask others as well where they can answer: `embree` (cases 1 to 3), `povray` (13 to 15, 18)
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = ["embree", "povray"])]
+    against: Vec<String>,
+    /// Python with embreex
+    #[arg(long, value_name = "FILE", default_value = "python3")]
+    python: PathBuf,
     /// Write the figures as CSV
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -35,8 +41,10 @@ fn parse_rays(text: &str) -> Result<u64, String> {
 /// Runs it. Exit code 1 where a figure misses its bar for no known reason.
 pub(super) fn run(args: &StabilityArgs) -> Result<ExitCode, JobError> {
     let effort = Effort { rays: args.rays, gpus: args.devices == "all" };
+    let asked = |name: &str| args.against.iter().any(|a| a == name);
+    let peers = Peers { embree: asked("embree").then(|| args.python.clone()), povray: asked("povray") };
     let mut last = 0;
-    let figures = measure(&args.only, effort, &mut |f| {
+    let figures = measure(&args.only, effort, peers, &mut |f| {
         if f.case != last {
             last = f.case;
             let case = CASES.iter().find(|c| c.number == f.case).expect("figures belong to cases");
@@ -45,8 +53,9 @@ pub(super) fn run(args: &StabilityArgs) -> Result<ExitCode, JobError> {
         println!("{}", line(f));
     });
     let missed = figures.iter().filter(|f| !f.passes()).count();
-    let known = figures.iter().filter(|f| !f.holds() && f.passes()).count();
-    println!("{} figures, {missed} beyond their bar, {known} more for known reasons", figures.len());
+    let known = figures.iter().filter(|f| f.known.is_some() && !f.holds()).count();
+    let own = figures.iter().filter(|f| !f.is_peer).count();
+    println!("{own} figures, {missed} beyond their bar, {known} more for known reasons");
     if let Some(path) = &args.csv
         && let Err(e) = std::fs::write(path, csv(&figures))
     {
@@ -57,6 +66,9 @@ pub(super) fn run(args: &StabilityArgs) -> Result<ExitCode, JobError> {
 }
 
 fn line(f: &Figure) -> String {
+    if f.is_peer {
+        return format!("         {:>10}               of {:<11} {}: {}", number(f.value), f.of, f.machine, f.what);
+    }
     let verdict = match (f.holds(), f.known) {
         (true, _) => "ok   ",
         (false, Some(_)) => "known",

@@ -57,12 +57,12 @@ pub trait HitSink {
     }
 }
 
-/// A ray in a shape's space; `dir` is unit.
+/// A ray in a shape's space; `dir` is unit but for boxes.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalRay {
     /// Start.
     pub origin: DVec3,
-    /// Unit.
+    /// Unit, but for boxes.
     pub dir: DVec3,
     /// Local length of a world unit along the ray.
     pub scale: f64,
