@@ -88,8 +88,8 @@ fn of_nine(mut measure: impl FnMut() -> f64) -> [f64; 3] {
     [list[0], list[4], list[8]]
 }
 
-/// Medians of ratios of CPU time, in turn. Measured under a load of eight: 1.05 for building, 1.25, 2.0 and 2.2 for rays; the bars leave twice
-/// the spread of six runs.
+/// Medians of ratios of CPU time, in turn. Measured on three machines, two loads and two builds whose only difference to these trees is how the
+/// compiler laid them out: 1.04 to 1.05 for building, 1.14 to 1.42, 1.87 to 2.21 and 1.82 to 2.2 for rays. The bars leave as much again.
 #[test]
 fn the_wide_tree_stays_ahead_of_the_binary_one() {
     if !can_time_lanes() {
@@ -112,7 +112,7 @@ fn the_wide_tree_stays_ahead_of_the_binary_one() {
     assert!(ratio < 1.15, "the wide tree takes {ratio} times as long to build as the binary one");
     let shape = |kind| MeshShape::new(mesh.clone(), Vec::new(), kind).expect("faces");
     let (wide, binary) = (shape(AccelKind::Bvh8), shape(AccelKind::Bvh));
-    for (which, bar) in [(0, 1.15), (1, 1.8), (3, 1.9)] {
+    for (which, bar) in [(0, 1.0), (1, 1.6), (3, 1.6)] {
         let speed = |shape: &MeshShape| trace_speed(shape, &rays.sets[which], which == 1, 0.03);
         let [_, ratio, _] = of_nine(|| speed(&wide) / speed(&binary));
         println!("{}: {ratio:.3} times the binary tree's speed (bar {bar})", RAY_KINDS[which]);
