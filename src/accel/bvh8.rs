@@ -6,7 +6,7 @@
 
 use super::boxf::{round_down, round_up};
 use super::bvh::MAX_DEPTH;
-use super::stack::Stack;
+use super::stack::Room;
 use super::{AccelStats, BoxF, can_meet, nearest_of};
 use crate::math::Ray;
 use crate::math::simd::{self, Kernel, Simd};
@@ -64,6 +64,8 @@ pub struct Bvh8 {
     pub slots: Vec<u32>,
     /// Box of all primitives.
     pub bounds: BoxF,
+    /// Its largest absolute coordinate.
+    pub max_abs: f32,
     /// Every leaf has one primitive at most: its box is the primitive's.
     pub is_single: bool,
     /// What came of the build.
@@ -108,10 +110,9 @@ impl Bvh8Ray {
 
     /// A bit for each child whose box is met in `t_min..=t_max`, and where each is entered. 0 times infinity counts as met.
     #[inline(always)]
-    pub fn meet<S: Simd>(&self, s: S, node: &Bvh8Node, t_min: f32, t_max: f32) -> (u32, [f32; WIDTH]) {
+    pub fn meet<S: Simd>(&self, s: S, node: &Bvh8Node, t_min: f32, t_max: f32) -> (u32, S::F32x8) {
         let slabs = [self.slab(s, node, 0), self.slab(s, node, 1), self.slab(s, node, 2)];
-        let (met, near) = overlap(s, slabs, s.splat_f32(t_min), s.splat_f32(t_max));
-        (met, s.array_f32(near))
+        overlap(s, slabs, s.splat_f32(t_min), s.splat_f32(t_max))
     }
 
     /// Where the eight slabs across an axis are entered and left.
@@ -162,49 +163,26 @@ impl Axis {
 /// Entries that a walk may leave behind: seven a level.
 pub(super) const MAX_STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 
-/// A child to visit later: where it is entered in the upper half, as bits, so that nearer is less; the child in the lower half.
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
-struct Entry(u64);
-
-impl Entry {
-    /// `t_enter` is not negative.
-    #[inline(always)]
-    fn new(t_enter: f32, child: u32) -> Self {
-        Self(u64::from(t_enter.to_bits()) << 32 | u64::from(child))
-    }
-
-    #[inline(always)]
-    fn t_enter(self) -> f32 {
-        f32::from_bits((self.0 >> 32) as u32)
-    }
-
-    #[inline(always)]
-    fn child(self) -> u32 {
-        self.0 as u32
-    }
-}
-
 impl Bvh8 {
     /// As [`super::Accel::closest_slots`].
     #[inline]
     pub fn closest_slots(&self, ray: &Ray, t_min: f64, t_max: f64, hit: impl FnMut(u32, f64) -> Option<f64>) {
-        self.visit_leaves(ray, t_min, t_max, Closest(hit));
+        self.visit_leaves(ray, t_min, t_max, &mut Closest(hit));
     }
 
     /// As [`super::Accel::any_slot`].
     #[inline]
     pub fn any_slot(&self, ray: &Ray, t_min: f64, t_max: f64, hit: impl FnMut(u32) -> bool) -> bool {
-        self.visit_leaves(ray, t_min, t_max, Any(hit))
+        self.visit_leaves(ray, t_min, t_max, &mut Any(hit))
     }
 
     /// Visits leaves along the ray, near ones first. Tells whether the visitor stopped it.
     #[inline]
-    pub fn visit_leaves(&self, ray: &Ray, t_min: f64, t_max: f64, visitor: impl LeafVisitor) -> bool {
+    pub fn visit_leaves(&self, ray: &Ray, t_min: f64, t_max: f64, visitor: &mut impl LeafVisitor) -> bool {
         if self.nodes.is_empty() || !can_meet(ray, t_min, t_max) {
             return false;
         }
-        let ray = Bvh8Ray::new(ray, self.bounds.max_abs() as f32);
-        simd::run(Walk { tree: self, root: 0, ray, t_min: round_down(t_min.max(0.0)), t_max, visitor })
+        simd::run(Visit { tree: self, ray, t_min: t_min.max(0.0), t_max, visitor })
     }
 
     /// Whether every number in the tree makes sense: children after their parent, slots in range, each primitive below `n_prims`, none twice.
@@ -251,78 +229,96 @@ impl<F: FnMut(u32) -> bool> LeafVisitor for Any<F> {
     }
 }
 
-/// A walk through a tree, from a node on.
-pub(super) struct Walk<'t, V> {
-    pub tree: &'t Bvh8,
-    pub root: u32,
-    pub ray: Bvh8Ray,
-    pub t_min: f32,
-    pub t_max: f64,
-    pub visitor: V,
+/// A walk through a whole tree. What it needs is made in the kernel, where it stays in registers: a kernel with all of it would be copied.
+struct Visit<'t, V> {
+    tree: &'t Bvh8,
+    ray: &'t Ray,
+    t_min: f64,
+    t_max: f64,
+    visitor: &'t mut V,
 }
 
-impl<V: LeafVisitor> Kernel for Walk<'_, V> {
+impl<V: LeafVisitor> Kernel for Visit<'_, V> {
     type Output = bool;
 
     #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S) -> bool {
-        let mut far = round_up(self.t_max);
-        let mut stack = Stack::<Entry, MAX_STACK>::new();
-        let mut at = Entry::new(0.0, self.root);
-        loop {
-            if at.child() & BVH8_LEAF == 0 {
-                let node = &self.tree.nodes[at.child() as usize];
-                let (mut met, t_enter) = self.ray.meet(simd, node, self.t_min, far);
-                if met != 0 {
+    fn run<S: Simd>(self, simd: S) -> bool {
+        let ray = &Bvh8Ray::new(self.ray, self.tree.max_abs);
+        walk(simd, self.tree, 0, ray, round_down(self.t_min), self.t_max, self.visitor)
+    }
+}
+
+/// Walks a tree from node `root` on. Tells whether the visitor stopped it.
+#[inline(always)]
+pub(super) fn walk<S: Simd>(
+    simd: S,
+    tree: &Bvh8,
+    root: u32,
+    ray: &Bvh8Ray,
+    t_min: f32,
+    mut t_max: f64,
+    visitor: &mut impl LeafVisitor,
+) -> bool {
+    let mut far = round_up(t_max);
+    let mut room = Room::<u64, MAX_STACK>::new();
+    let mut stack = room.stack();
+    let mut at = root;
+    loop {
+        if at & BVH8_LEAF == 0 {
+            let node = &tree.nodes[at as usize];
+            let (mut met, t_enter) = ray.meet(simd, node, t_min, far);
+            if met != 0 {
+                let t_enter = simd.array_f32(t_enter);
+                // As a number, where a child is entered and the child: nearer is less, for depths are not negative.
+                let mut next = || {
                     let c = met.trailing_zeros() as usize & 7;
                     met &= met - 1;
-                    if met == 0 {
-                        at = Entry::new(t_enter[c], node.child[c]);
-                        continue;
-                    }
-                    at = Entry::new(t_enter[c], node.child[c]);
-                    let c = met.trailing_zeros() as usize & 7;
-                    met &= met - 1;
-                    let other = Entry::new(t_enter[c], node.child[c]);
-                    let bottom = stack.len();
-                    stack.push(if at < other { other } else { at });
-                    at = if at < other { at } else { other };
-                    while met != 0 {
-                        let c = met.trailing_zeros() as usize & 7;
-                        met &= met - 1;
-                        let entry = Entry::new(t_enter[c], node.child[c]);
-                        let other = if entry < at { at } else { entry };
-                        at = if entry < at { entry } else { at };
-                        stack.push(other);
-                        // Nearest on top.
-                        let new = &mut stack.items()[bottom..];
-                        let mut k = new.len() - 1;
-                        while k > 0 && new[k - 1] < other {
-                            new[k] = new[k - 1];
-                            k -= 1;
-                        }
-                        new[k] = other;
-                    }
+                    (u64::from(t_enter[c].to_bits()) << 32 | u64::from(node.child[c]), met)
+                };
+                let (mut best, left) = next();
+                if left == 0 {
+                    at = best as u32;
                     continue;
                 }
-            } else {
-                let (first, count) = leaf_slots(at.child());
-                match self.visitor.leaf(simd, first, count, self.t_max) {
-                    Some(t) if t < self.t_max => {
-                        self.t_max = t;
-                        far = round_up(t);
+                let bottom = stack.len();
+                loop {
+                    let (new, left) = next();
+                    let other = if new < best { best } else { new };
+                    best = if new < best { new } else { best };
+                    stack.push(other);
+                    // Nearest on top.
+                    let new = &mut stack.items()[bottom..];
+                    let mut k = new.len() - 1;
+                    while k > 0 && new[k - 1] < other {
+                        new[k] = new[k - 1];
+                        k -= 1;
                     }
-                    Some(_) => {}
-                    None => return true,
+                    new[k] = other;
+                    if left == 0 {
+                        break;
+                    }
                 }
+                at = best as u32;
+                continue;
             }
-            at = loop {
-                match stack.pop() {
-                    Some(e) if e.t_enter() <= far => break e,
-                    Some(_) => {}
-                    None => return false,
+        } else {
+            let (first, count) = leaf_slots(at);
+            match visitor.leaf(simd, first, count, t_max) {
+                Some(t) if t < t_max => {
+                    t_max = t;
+                    far = round_up(t);
                 }
-            };
+                Some(_) => {}
+                None => return true,
+            }
         }
+        at = loop {
+            match stack.pop() {
+                // Depths are not negative, so their bits are in their order; below all is below all.
+                Some(e) if (e >> 32) as i32 <= far.to_bits() as i32 => break e as u32,
+                Some(_) => {}
+                None => return false,
+            }
+        };
     }
 }

@@ -33,7 +33,8 @@ impl Bvh8 {
         let n_bytes = nodes.len() * size_of::<Bvh8Node>() + slots.len() * 4;
         let stats = AccelStats { n_nodes: nodes.len(), depth, n_bytes, build_seconds: seconds_since(start), ..binary.stats };
         let is_single = nodes.iter().all(|n| n.child.iter().all(|c| *c & BVH8_LEAF == 0 || leaf_slots(*c).1 == 1));
-        Self { nodes, slots, bounds: binary.bounds, is_single, stats }
+        let max_abs = binary.bounds.max_abs() as f32;
+        Self { nodes, slots, bounds: binary.bounds, max_abs, is_single, stats }
     }
 }
 

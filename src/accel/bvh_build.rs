@@ -3,7 +3,8 @@
 //! Source: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies".
 
 use super::bvh::{BVH_LEAF, MAX_DEPTH};
-use super::{AccelOptions, AccelStats, BoxF, Bvh, BvhNode, PrimRef, PrimSet, box_of, seconds_since, usable_prims};
+use super::{AccelOptions, AccelStats, BoxF, Bvh, BvhNode, PrimRef, PrimSet, seconds_since, usable_prims};
+use glam::Vec4;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -40,9 +41,11 @@ impl Bvh {
     /// Builds over all primitives with usable bounds.
     pub fn build(prims: &impl PrimSet, options: &AccelOptions) -> Self {
         let start = Instant::now();
-        let mut refs = usable_prims(prims);
-        let n = refs.len();
-        let bounds = box_of(&refs);
+        let usable = usable_prims(prims);
+        let n = usable.len();
+        let mut refs = if n > CHUNK { usable.par_iter().map(Ref::new).collect() } else { usable.iter().map(Ref::new).collect::<Vec<_>>() };
+        drop(usable);
+        let bounds = box_of(&refs).to_boxf();
         let mut tree = Subtree::default();
         if n > 0 {
             let thin = 1e-6 * (0..3).map(|k| f64::from(bounds.hi[k]) - f64::from(bounds.lo[k])).fold(1e-100, f64::max);
@@ -54,7 +57,7 @@ impl Bvh {
                 per_root_area: 1.0,
             };
             b.per_root_area = 1.0 / b.area(&bounds);
-            let (child, count) = b.node(&mut refs, 0, &bounds, 0, &mut tree);
+            let (child, count) = b.node(&mut refs, 0, &bounds, 0, &mut tree, &mut Scratch::new());
             if tree.nodes.is_empty() {
                 // All in one leaf: its sibling is a point without primitives.
                 let point = BoxF { lo: bounds.lo, hi: bounds.lo };
@@ -73,7 +76,7 @@ impl Bvh {
             build_seconds: seconds_since(start),
             n_bytes: tree.nodes.len() * size_of::<BvhNode>() + n * 4,
         };
-        Self { nodes: tree.nodes, refs: refs.iter().map(|r| r.prim).collect(), bounds, stats }
+        Self { nodes: tree.nodes, refs: refs.iter().map(Ref::prim).collect(), bounds, stats }
     }
 }
 
@@ -97,10 +100,10 @@ impl Builder {
     }
 
     /// Appends the subtree of `refs`, whose first stands at `first` in the whole list and whose box is `bounds`.
-    fn node(&self, refs: &mut [PrimRef], first: usize, bounds: &BoxF, depth: usize, out: &mut Subtree) -> Child {
+    fn node(&self, refs: &mut [Ref], first: usize, bounds: &BoxF, depth: usize, out: &mut Subtree, scratch: &mut Scratch) -> Child {
         let n = refs.len();
         let share = self.area(bounds) * self.per_root_area;
-        let Some(split) = self.divide(refs, bounds, depth) else {
+        let Some(split) = self.divide(refs, bounds, depth, scratch) else {
             out.n_leaves += 1;
             out.depth = out.depth.max(depth);
             out.cost += share * self.leaf_cost(n);
@@ -117,20 +120,20 @@ impl Builder {
                 rayon::join(|| self.subtree(left, first, &box_left, depth + 1), || self.subtree(right, first_right, &box_right, depth + 1));
             (out.append(a), out.append(b))
         } else {
-            (self.node(left, first, &box_left, depth + 1, out), self.node(right, first_right, &box_right, depth + 1, out))
+            (self.node(left, first, &box_left, depth + 1, out, scratch), self.node(right, first_right, &box_right, depth + 1, out, scratch))
         };
         out.nodes[at] = BvhNode::new([(box_left, a.0, a.1), (box_right, b.0, b.1)]);
         (at as u32, 0)
     }
 
-    fn subtree(&self, refs: &mut [PrimRef], first: usize, bounds: &BoxF, depth: usize) -> (Subtree, Child) {
+    fn subtree(&self, refs: &mut [Ref], first: usize, bounds: &BoxF, depth: usize) -> (Subtree, Child) {
         let mut t = Subtree { nodes: Vec::with_capacity(refs.len() / 2), ..Subtree::default() };
-        let child = self.node(refs, first, bounds, depth, &mut t);
+        let child = self.node(refs, first, bounds, depth, &mut t, &mut Scratch::new());
         (t, child)
     }
 
     /// Puts the references of the two children in order; `None` makes a leaf.
-    fn divide(&self, refs: &mut [PrimRef], bounds: &BoxF, depth: usize) -> Option<Division> {
+    fn divide(&self, refs: &mut [Ref], bounds: &BoxF, depth: usize, scratch: &mut Scratch) -> Option<Division> {
         let n = refs.len();
         if n == 1 {
             return None;
@@ -139,11 +142,11 @@ impl Builder {
         // From here on halves are needed to stay within the deepest level.
         let must_halve = depth + (usize::BITS - (n - 1).leading_zeros()) as usize >= MAX_DEPTH;
         if !must_halve && let Some(bins) = BinMap::new(&centers, self.n_bins(n)) {
-            let best = self.cheapest(&bins, refs, bounds);
+            let best = self.cheapest(&bins, refs, bounds, scratch);
             if n <= self.max_leaf && best.cost >= self.leaf_cost(n) {
                 return None;
             }
-            let n_left = partition(refs, |r| bins.bin(best.axis, r) < best.bin);
+            let n_left = partition(refs, |r| bins.bins(r)[best.axis] < best.bin as i32);
             if (1..n).contains(&n_left) {
                 return Some(Division { n_left, left: best.left, right: best.right });
             }
@@ -153,43 +156,52 @@ impl Builder {
         }
         // All in one place, or too deep: halves along the longest side.
         let axis = (0..3).max_by(|a, b| (centers.hi[*a] - centers.lo[*a]).total_cmp(&(centers.hi[*b] - centers.lo[*b]))).unwrap_or(0);
-        refs.select_nth_unstable_by(n / 2, |a, b| center(a, axis).total_cmp(&center(b, axis)).then(a.prim.cmp(&b.prim)));
+        refs.select_nth_unstable_by(n / 2, |a, b| center(a, axis).total_cmp(&center(b, axis)).then(a.prim().cmp(&b.prim())));
         Some(Division::new(refs, n / 2))
     }
 
-    fn cheapest(&self, map: &BinMap, refs: &[PrimRef], bounds: &BoxF) -> Boundary {
-        let bins = if refs.len() > CHUNK {
-            refs.par_chunks(CHUNK).map(|c| Bins::count(map, c)).reduce(Bins::empty, Bins::merged)
+    fn cheapest(&self, map: &BinMap, refs: &[Ref], bounds: &BoxF, scratch: &mut Scratch) -> Boundary {
+        let Scratch { bins, above } = scratch;
+        if refs.len() > CHUNK {
+            let count = |c: &[Ref]| {
+                let mut bins = Box::new(Bins::empty());
+                bins.count(map, c);
+                bins
+            };
+            **bins = *refs.par_chunks(CHUNK).map(count).reduce(|| Box::new(Bins::empty()), Bins::merged);
         } else {
-            Bins::count(map, refs)
-        };
+            bins.count(map, refs);
+        }
         let scale = self.intersect_cost / self.area(bounds);
         let n_tests = |n: u32| f64::from(n.div_ceil(self.pack as u32));
         let mut best = Boundary { cost: f64::INFINITY, axis: 0, bin: 0, left: BoxF::EMPTY, right: BoxF::EMPTY };
         for axis in 0..3 {
-            let (boxes, counts) = (&bins.boxes[axis], &bins.counts[axis]);
-            let mut above = [(BoxF::EMPTY, f64::INFINITY); N_BINS];
-            let (mut right, mut n) = (BoxF::EMPTY, 0);
+            let (boxes, counts) = (&bins.boxes[axis][..map.n_bins], &bins.counts[axis][..map.n_bins]);
+            let (mut right, mut n) = (Box4::EMPTY, 0);
             for i in (1..map.n_bins).rev() {
                 right.grow(&boxes[i]);
                 n += counts[i];
-                if n > 0 {
-                    above[i] = (right, self.area(&right) * n_tests(n));
-                }
+                let cost = if n > 0 { self.area4(&right) * n_tests(n) } else { f64::INFINITY };
+                above[i] = (right, cost);
             }
-            let (mut left, mut n) = (BoxF::EMPTY, 0);
+            let (mut left, mut n) = (Box4::EMPTY, 0);
             for i in 1..map.n_bins {
                 left.grow(&boxes[i - 1]);
                 n += counts[i - 1];
                 if n > 0 {
-                    let cost = 1.0 + scale * (self.area(&left) * n_tests(n) + above[i].1);
+                    let cost = 1.0 + scale * (self.area4(&left) * n_tests(n) + above[i].1);
                     if cost < best.cost {
-                        best = Boundary { cost, axis, bin: i, left, right: above[i].0 };
+                        best = Boundary { cost, axis, bin: i, left: left.to_boxf(), right: above[i].0.to_boxf() };
                     }
                 }
             }
         }
         best
+    }
+
+    #[inline]
+    fn area4(&self, b: &Box4) -> f64 {
+        self.area(&b.to_boxf())
     }
 }
 
@@ -210,50 +222,100 @@ struct Division {
 }
 
 impl Division {
-    fn new(refs: &[PrimRef], n_left: usize) -> Self {
-        Self { n_left, left: box_of(&refs[..n_left]), right: box_of(&refs[n_left..]) }
+    fn new(refs: &[Ref], n_left: usize) -> Self {
+        Self { n_left, left: box_of(&refs[..n_left]).to_boxf(), right: box_of(&refs[n_left..]).to_boxf() }
+    }
+}
+
+/// A box in registers of four; the fourth number means nothing.
+#[derive(Clone, Copy)]
+struct Box4 {
+    lo: Vec4,
+    hi: Vec4,
+}
+
+impl Box4 {
+    const EMPTY: Self = Self { lo: Vec4::INFINITY, hi: Vec4::NEG_INFINITY };
+
+    #[inline(always)]
+    fn grow(&mut self, other: &Self) {
+        self.lo = self.lo.min(other.lo);
+        self.hi = self.hi.max(other.hi);
+    }
+
+    #[inline(always)]
+    fn to_boxf(self) -> BoxF {
+        BoxF { lo: self.lo.truncate().to_array(), hi: self.hi.truncate().to_array() }
+    }
+}
+
+/// A primitive's box. Its number stands in the two fourth places, as the fractions of numbers between 1 and 2: sums of them stay ordinary.
+#[derive(Clone, Copy)]
+struct Ref(Box4);
+
+const FRACTION_BITS: u32 = f32::MANTISSA_DIGITS - 1;
+const ONE: u32 = 1.0f32.to_bits();
+
+impl Ref {
+    fn new(r: &PrimRef) -> Self {
+        let [low, high] = [r.prim & ((1 << FRACTION_BITS) - 1), r.prim >> FRACTION_BITS].map(|part| f32::from_bits(ONE | part));
+        let ([x, y, z], [u, v, w]) = (r.bounds.lo, r.bounds.hi);
+        Self(Box4 { lo: Vec4::new(x, y, z, low), hi: Vec4::new(u, v, w, high) })
+    }
+
+    fn prim(&self) -> u32 {
+        (self.0.lo.w.to_bits() ^ ONE) | (self.0.hi.w.to_bits() ^ ONE) << FRACTION_BITS
+    }
+
+    /// Twice the centroid.
+    #[inline(always)]
+    fn center(&self) -> Vec4 {
+        self.0.lo + self.0.hi
     }
 }
 
 /// Twice the centroid.
 #[inline]
-fn center(r: &PrimRef, axis: usize) -> f32 {
-    r.bounds.lo[axis] + r.bounds.hi[axis]
+fn center(r: &Ref, axis: usize) -> f32 {
+    r.center()[axis]
 }
 
 /// Box of the doubled centroids.
-fn centers_of(refs: &[PrimRef]) -> BoxF {
-    let of = |refs: &[PrimRef]| {
-        refs.iter().fold(BoxF::EMPTY, |mut b, r| {
-            let c = std::array::from_fn(|k| center(r, k));
-            b.grow(&BoxF { lo: c, hi: c });
-            b
-        })
-    };
-    if refs.len() > CHUNK { refs.par_chunks(CHUNK).map(of).reduce(|| BoxF::EMPTY, BoxF::merged) } else { of(refs) }
+fn centers_of(refs: &[Ref]) -> BoxF {
+    folded(refs, |r| Box4 { lo: r.center(), hi: r.center() }).to_boxf()
 }
 
-/// Moves what belongs to the left to the front, and counts it.
-fn partition(refs: &mut [PrimRef], is_left: impl Fn(&PrimRef) -> bool) -> usize {
-    let (mut i, mut j) = (0, refs.len());
-    loop {
-        while i < j && is_left(&refs[i]) {
-            i += 1;
-        }
-        while i < j && !is_left(&refs[j - 1]) {
-            j -= 1;
-        }
-        if i == j {
-            return i;
-        }
-        refs.swap(i, j - 1);
+/// The box of them all.
+fn box_of(refs: &[Ref]) -> Box4 {
+    folded(refs, |r| r.0)
+}
+
+fn folded(refs: &[Ref], of: impl Fn(&Ref) -> Box4 + Sync) -> Box4 {
+    let grown = |mut a: Box4, b: Box4| {
+        a.grow(&b);
+        a
+    };
+    let all = |refs: &[Ref]| refs.iter().fold(Box4::EMPTY, |b, r| grown(b, of(r)));
+    if refs.len() > CHUNK { refs.par_chunks(CHUNK).map(all).reduce(|| Box4::EMPTY, grown) } else { all(refs) }
+}
+
+/// Moves what belongs to the left to the front, and counts it. Every reference is moved: which belongs where cannot be foretold, and a wrong guess
+/// of the processor costs more.
+fn partition(refs: &mut [Ref], is_left: impl Fn(&Ref) -> bool) -> usize {
+    let mut n_left = 0;
+    for i in 0..refs.len() {
+        let r = refs[i];
+        refs[i] = refs[n_left];
+        refs[n_left] = r;
+        n_left += usize::from(is_left(&r));
     }
+    n_left
 }
 
 /// Which bin a centroid falls into.
 struct BinMap {
-    lo: [f32; 3],
-    scale: [f32; 3],
+    lo: Vec4,
+    scale: Vec4,
     n_bins: usize,
 }
 
@@ -265,39 +327,46 @@ impl BinMap {
             let s = n_bins as f32 * 0.999_99 / (centers.hi[k] - centers.lo[k]);
             if s.is_finite() { s } else { 0.0 }
         });
-        scale.iter().any(|s| *s > 0.0).then_some(Self { lo: centers.lo, scale, n_bins })
+        let of = |v: [f32; 3]| Vec4::new(v[0], v[1], v[2], 0.0);
+        scale.iter().any(|s| *s > 0.0).then_some(Self { lo: of(centers.lo), scale: of(scale), n_bins })
     }
 
-    #[inline]
-    fn bin(&self, axis: usize, r: &PrimRef) -> usize {
-        (((center(r, axis) - self.lo[axis]) * self.scale[axis]) as usize).min(N_BINS - 1)
+    /// By axis.
+    #[inline(always)]
+    fn bins(&self, r: &Ref) -> [i32; 4] {
+        let place = (r.center() - self.lo) * self.scale;
+        place.to_array().map(|v| v as i32)
     }
 }
 
 /// Boxes and numbers of the references in each bin.
 struct Bins {
-    boxes: [[BoxF; N_BINS]; 3],
+    boxes: [[Box4; N_BINS]; 3],
     counts: [[u32; N_BINS]; 3],
 }
 
 impl Bins {
     fn empty() -> Self {
-        Self { boxes: [[BoxF::EMPTY; N_BINS]; 3], counts: [[0; N_BINS]; 3] }
+        Self { boxes: [[Box4::EMPTY; N_BINS]; 3], counts: [[0; N_BINS]; 3] }
     }
 
-    fn count(map: &BinMap, refs: &[PrimRef]) -> Self {
-        let mut b = Self::empty();
+    /// Of these references alone; bins that the map does not use stay as they were.
+    fn count(&mut self, map: &BinMap, refs: &[Ref]) {
+        for axis in 0..3 {
+            self.boxes[axis][..map.n_bins].fill(Box4::EMPTY);
+            self.counts[axis][..map.n_bins].fill(0);
+        }
         for r in refs {
+            let at = map.bins(r);
             for axis in 0..3 {
-                let i = map.bin(axis, r);
-                b.boxes[axis][i].grow(&r.bounds);
-                b.counts[axis][i] += 1;
+                let i = (at[axis] as usize).min(N_BINS - 1);
+                self.boxes[axis][i].grow(&r.0);
+                self.counts[axis][i] += 1;
             }
         }
-        b
     }
 
-    fn merged(mut self, other: Self) -> Self {
+    fn merged(mut self: Box<Self>, other: Box<Self>) -> Box<Self> {
         for axis in 0..3 {
             for i in 0..N_BINS {
                 self.boxes[axis][i].grow(&other.boxes[axis][i]);
@@ -305,6 +374,19 @@ impl Bins {
             }
         }
         self
+    }
+}
+
+/// Room that nodes use one after the other.
+struct Scratch {
+    bins: Box<Bins>,
+    /// By bin: the box of all from it on, and what they cost.
+    above: Box<[(Box4, f64); N_BINS]>,
+}
+
+impl Scratch {
+    fn new() -> Self {
+        Self { bins: Box::new(Bins::empty()), above: Box::new([(Box4::EMPTY, f64::INFINITY); N_BINS]) }
     }
 }
 

@@ -6,8 +6,8 @@
 //! in packets); Wald, Woop, Benthin, Johnson, Ernst 2014 (Embree's coherent packets).
 
 use super::boxf::round_down;
-use super::bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, Bvh8Ray, LeafVisitor, MAX_STACK, SCALE_SLACK, STEEPEST, WIDTH, Walk, leaf_slots, overlap};
-use super::stack::Stack;
+use super::bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, Bvh8Ray, LeafVisitor, MAX_STACK, SCALE_SLACK, STEEPEST, WIDTH, leaf_slots, overlap, walk};
+use super::stack::Room;
 use crate::math::Ray;
 use crate::math::simd::{Kernel, Simd};
 
@@ -294,8 +294,9 @@ impl<V: PacketVisitor> Kernel for Together<'_, V> {
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
         let n_groups = self.packet.n_groups().min(GROUPS);
-        let mut groups = Stack::<Slabs8, GROUPS>::new();
-        let max_abs = self.tree.bounds.max_abs() as f32;
+        let mut room = Room::<Slabs8, GROUPS>::new();
+        let mut groups = room.stack();
+        let max_abs = self.tree.max_abs;
         let (mut down, mut todo) = ([0u64; 3], 0u64);
         for g in 0..n_groups {
             todo |= u64::from(self.packet.usable(simd, g)) << (g * LANES);
@@ -305,24 +306,25 @@ impl<V: PacketVisitor> Kernel for Together<'_, V> {
             }
             groups.push(group);
         }
-        let groups = &*groups.items();
+        let groups = &*groups.into_items();
         todo &= u64::MAX >> (PACKET - self.packet.n.clamp(1, PACKET));
         while todo != 0 {
             let first = todo.trailing_zeros();
             let rays = down.iter().fold(todo, |rays, down| rays & if down >> first & 1 == 1 { *down } else { !down });
             todo &= !rays;
-            self.walk(simd, groups, rays);
+            self.walk_octant(simd, groups, rays);
         }
     }
 }
 
 impl<V: PacketVisitor> Together<'_, V> {
     #[inline(always)]
-    fn walk<S: Simd>(&mut self, simd: S, groups: &[Slabs8], mut rays: u64) {
+    fn walk_octant<S: Simd>(&mut self, simd: S, groups: &[Slabs8], mut rays: u64) {
         let tree = self.tree;
         let beam = Beam::new(simd, groups, rays);
         let mut far = farthest(self.far);
-        let mut stack = Stack::<Entry, MAX_STACK>::new();
+        let mut room = Room::<Entry, MAX_STACK>::new();
+        let mut stack = room.stack();
         let mut at = 0u32;
         loop {
             // An inner node that is to be entered.
@@ -380,8 +382,8 @@ impl<V: PacketVisitor> Together<'_, V> {
                     let (g, lane) = (k / LANES % GROUPS, k % LANES);
                     let ray = groups[g].ray(lane, beam.near);
                     let t_max = f64::from(self.far[g][lane]);
-                    let alone = Alone { visitor: self.visitor, ray: k, far: self.far };
-                    Walk { tree, root: child, ray, t_min: self.t_min, t_max, visitor: alone }.run(simd);
+                    let alone = &mut Alone { visitor: self.visitor, ray: k, far: self.far };
+                    walk(simd, tree, child, &ray, self.t_min, t_max, alone);
                 }
                 far = farthest(self.far);
             }

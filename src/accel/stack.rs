@@ -3,19 +3,30 @@
 
 use std::mem::MaybeUninit;
 
+/// Room for a [`Stack`] of at most `N` things.
+pub(super) struct Room<T, const N: usize>([MaybeUninit<T>; N]);
+
+impl<T: Copy, const N: usize> Room<T, N> {
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self([const { MaybeUninit::uninit() }; N])
+    }
+
+    /// An empty stack in it. Apart from its room, its length stays in a register.
+    #[inline(always)]
+    pub fn stack(&mut self) -> Stack<'_, T, N> {
+        Stack { items: &mut self.0, len: 0 }
+    }
+}
+
 /// At most `N` things.
-pub(super) struct Stack<T, const N: usize> {
-    items: [MaybeUninit<T>; N],
+pub(super) struct Stack<'r, T, const N: usize> {
+    items: &'r mut [MaybeUninit<T>; N],
     /// Everything below was pushed.
     len: usize,
 }
 
-impl<T: Copy, const N: usize> Stack<T, N> {
-    #[inline(always)]
-    pub fn new() -> Self {
-        Self { items: [const { MaybeUninit::uninit() }; N], len: 0 }
-    }
-
+impl<'r, T: Copy, const N: usize> Stack<'r, T, N> {
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.len
@@ -38,6 +49,13 @@ impl<T: Copy, const N: usize> Stack<T, N> {
     /// All of them, the last pushed last.
     #[inline(always)]
     pub fn items(&mut self) -> &mut [T] {
+        // SAFETY: everything below the length was pushed.
+        unsafe { self.items[..self.len].assume_init_mut() }
+    }
+
+    /// All of them, the last pushed last.
+    #[inline(always)]
+    pub fn into_items(self) -> &'r mut [T] {
         // SAFETY: everything below the length was pushed.
         unsafe { self.items[..self.len].assume_init_mut() }
     }

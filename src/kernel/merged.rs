@@ -16,7 +16,7 @@ use crate::math::{MAX_DISTANCE, Ray};
 /// Offers the hits of a ray with faces to `found`, which gives the depth that still matters, or `None` to stop.
 struct Faces<'a, F> {
     merged: &'a MergedMeshes,
-    ray: ShearedRay,
+    ray: &'a ShearedRay,
     found: F,
 }
 
@@ -32,7 +32,8 @@ impl<F: FnMut(&Member, f64, Part, f64) -> Option<f64>> LeafVisitor for Faces<'_,
             if t > TOLERANCE && t <= far && t < MAX_DISTANCE {
                 let member = &self.merged.members[self.merged.member_of_slot[slot] as usize];
                 let face = self.merged.tree.slots[slot] - member.first_face;
-                far = (self.found)(member, t, Part { face, a: hits.a[k], b: hits.b[k] }, far)?;
+                let (a, b) = hits.weights(k);
+                far = (self.found)(member, t, Part { face, a, b }, far)?;
             }
         }
         Some(far)
@@ -43,7 +44,7 @@ impl<F: FnMut(&Member, f64, Part, f64) -> Option<f64>> LeafVisitor for Faces<'_,
 #[inline]
 fn visit(merged: &MergedMeshes, ray: &Ray, far: f64, found: impl FnMut(&Member, f64, Part, f64) -> Option<f64>) -> bool {
     let sheared = ShearedRay::new(&LocalRay { origin: ray.origin, dir: ray.dir, scale: 1.0 });
-    merged.tree.visit_leaves(ray, 0.0, far.min(MAX_DISTANCE), Faces { merged, ray: sheared, found })
+    merged.tree.visit_leaves(ray, 0.0, far.min(MAX_DISTANCE), &mut Faces { merged, ray: &sheared, found })
 }
 
 /// As [`super::traverse::intersect_at`].

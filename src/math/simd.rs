@@ -25,8 +25,9 @@ pub fn is_wide() -> bool {
     false
 }
 
-/// Does `kernel` with the widest instructions here.
-#[inline]
+/// Does `kernel` with the widest instructions here. Always inlined: a kernel handed on is copied, and numbers just stored one by one are waited for
+/// when they are loaded side by side.
+#[inline(always)]
 pub fn run<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2") {
@@ -37,7 +38,7 @@ pub fn run<K: Kernel>(kernel: K) -> K::Output {
 }
 
 /// As [`run`], with AVX-512 where the processor has it: for kernels that use lanes of eight double-precision numbers.
-#[inline]
+#[inline(always)]
 pub fn run_widest<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") && is_x86_feature_detected!("avx2") {

@@ -21,40 +21,29 @@ pub struct ShearedRay {
     pub(super) origin: [f64; 3],
     /// What is taken off x and y per z; 1 / direction along z.
     pub(super) shear: [f64; 3],
-    pub(super) last_axis: usize,
+    /// The axes in their new order.
+    pub(super) axes: [usize; 3],
 }
 
-/// The axis that a direction is longest along.
-#[inline]
-pub(super) fn longest_axis(dir: DVec3) -> usize {
+/// The axes in order, by the one that comes last.
+pub(super) const ORDERS: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
+/// The axes, the one that a direction is longest along last. No branches: neighbouring rays go their own ways.
+#[inline(always)]
+fn axes_along(dir: DVec3) -> [usize; 3] {
     let a = dir.abs();
-    if a.x > a.y && a.x > a.z {
-        0
-    } else if a.y > a.z {
-        1
-    } else {
-        2
-    }
-}
-
-/// A point's axes in their new order; one well-predicted branch a triangle, where indexed access would go through memory.
-#[inline]
-pub(super) fn reordered<T: Copy>(v: [T; 3], last_axis: usize) -> [T; 3] {
-    match last_axis {
-        0 => [v[1], v[2], v[0]],
-        1 => [v[2], v[0], v[1]],
-        _ => v,
-    }
+    let (x, y) = ((a.x > a.y) & (a.x > a.z), a.y > a.z);
+    ORDERS[if x { 0 } else { 2 - usize::from(y) }]
 }
 
 impl ShearedRay {
     /// For `ray`.
     #[inline]
     pub fn new(ray: &LocalRay) -> Self {
-        let last_axis = longest_axis(ray.dir);
-        let d = reordered(ray.dir.to_array(), last_axis);
-        let inv = 1.0 / d[2];
-        Self { origin: reordered(ray.origin.to_array(), last_axis), shear: [d[0] * inv, d[1] * inv, inv], last_axis }
+        let axes = axes_along(ray.dir);
+        let (o, d) = (ray.origin.to_array(), ray.dir.to_array());
+        let inv = 1.0 / d[axes[2]];
+        Self { origin: axes.map(|k| o[k]), shear: [d[axes[0]] * inv, d[axes[1]] * inv, inv], axes }
     }
 
     /// Depth and the weights of corners 2 and 3; edges belong to both neighbours, so no ray slips between.
@@ -64,7 +53,7 @@ impl ShearedRay {
     #[inline]
     pub fn hit(&self, corners: &[Vec3; 3]) -> Option<(f64, f64, f64)> {
         let q = corners.map(|v| {
-            let v = reordered(v.to_array(), self.last_axis);
+            let v = self.axes.map(|k| v[k]);
             let z = f64::from(v[2]) - self.origin[2];
             [f64::from(v[0]) - self.origin[0] - self.shear[0] * z, f64::from(v[1]) - self.origin[1] - self.shear[1] * z, z]
         });
@@ -93,13 +82,26 @@ struct PackTest<S: Simd> {
     met: u32,
 }
 
-/// Hits of a pack: depths, weights of corners 2 and 3.
+/// Hits of a pack.
 pub(crate) struct PackHits {
+    /// Depths.
     pub t: [f64; PACK],
-    pub a: [f64; PACK],
-    pub b: [f64; PACK],
+    /// Edge functions across from corners 2 and 3, and the sum of all three.
+    w2: [f64; PACK],
+    w3: [f64; PACK],
+    det: [f64; PACK],
     /// A bit for each triangle that is met nearer than what was asked for, and not behind.
     pub met: u32,
+}
+
+impl PackHits {
+    const NONE: Self = Self { t: [0.0; PACK], w2: [0.0; PACK], w3: [0.0; PACK], det: [0.0; PACK], met: 0 };
+
+    /// Weights of corners 2 and 3 where triangle `k` is met: worked out for what is taken alone.
+    #[inline(always)]
+    pub fn weights(&self, k: usize) -> (f64, f64) {
+        (self.w2[k] / self.det[k], self.w3[k] / self.det[k])
+    }
 }
 
 impl<S: Simd> PackTest<S> {
@@ -111,7 +113,7 @@ impl<S: Simd> PackTest<S> {
         let sum = s.add(s.add(s.mul(w1, z1), s.mul(w2, z2)), s.mul(w3, z3));
         let t = s.div(s.mul(s.splat(ray.shear[2]), sum), det);
         let in_reach = !s.lt(s.splat(far), t) & s.lt(s.splat(TOLERANCE), t);
-        PackHits { t: s.array(t), a: s.array(s.div(w2, det)), b: s.array(s.div(w3, det)), met: self.met & in_reach }
+        PackHits { t: s.array(t), w2: s.array(w2), w3: s.array(w3), det: s.array(det), met: self.met & in_reach }
     }
 }
 
@@ -134,7 +136,7 @@ impl ShearedRay {
         let test = self.test_pack(s, pack);
         let wanted = (1 << count) - 1;
         if test.met & wanted == 0 {
-            return PackHits { t: [0.0; PACK], a: [0.0; PACK], b: [0.0; PACK], met: 0 };
+            return PackHits::NONE;
         }
         let hits = test.hits(s, self, far);
         PackHits { met: hits.met & wanted, ..hits }
@@ -143,7 +145,7 @@ impl ShearedRay {
     /// The same corner of four triangles, moved and sheared.
     #[inline(always)]
     fn corners<S: Simd>(&self, s: S, of: &[[f32; PACK]; 3]) -> [S::F64x4; 3] {
-        let axes = reordered([0usize, 1, 2], self.last_axis);
+        let axes = self.axes;
         let x = s.sub(s.widen(&of[axes[0]]), s.splat(self.origin[0]));
         let y = s.sub(s.widen(&of[axes[1]]), s.splat(self.origin[1]));
         let z = s.sub(s.widen(&of[axes[2]]), s.splat(self.origin[2]));
@@ -168,9 +170,16 @@ struct Crossings<'a, S> {
     last: (f64, u32),
 }
 
-/// Takes up a hit `(t, a, b)`; gives the depth that still matters if it is a nearer one. `last` is what was taken up last.
+/// Takes up a hit at `t`; gives the depth that still matters if it is a nearer one. `last` is what was taken up last.
 #[inline(always)]
-pub(super) fn offer(sink: &mut impl HitSink, last: &mut (f64, u32), (t, a, b): (f64, f64, f64), face: u32, far: f64) -> Option<f64> {
+pub(super) fn offer(
+    sink: &mut impl HitSink,
+    last: &mut (f64, u32),
+    t: f64,
+    weights: impl FnOnce() -> (f64, f64),
+    face: u32,
+    far: f64,
+) -> Option<f64> {
     if !(t > TOLERANCE && t <= far && t < MAX_DISTANCE) {
         return None;
     }
@@ -179,6 +188,7 @@ pub(super) fn offer(sink: &mut impl HitSink, last: &mut (f64, u32), (t, a, b): (
         return None;
     }
     *last = (t, face);
+    let (a, b) = weights();
     sink.push(t, Part { face, a, b });
     let now = sink.far();
     (now < far).then_some(now)
@@ -186,8 +196,8 @@ pub(super) fn offer(sink: &mut impl HitSink, last: &mut (f64, u32), (t, a, b): (
 
 impl<S: HitSink> Crossings<'_, S> {
     #[inline(always)]
-    fn offer(&mut self, hit: (f64, f64, f64), face: u32, far: f64) -> Option<f64> {
-        offer(self.sink, &mut self.last, hit, face, far)
+    fn offer(&mut self, (t, a, b): (f64, f64, f64), face: u32, far: f64) -> Option<f64> {
+        offer(self.sink, &mut self.last, t, || (a, b), face, far)
     }
 }
 
@@ -207,7 +217,7 @@ pub(super) fn offer_pack<Lanes: Simd>(
     while met != 0 {
         let k = met.trailing_zeros() as usize % PACK;
         met &= met - 1;
-        far = offer(sink, last, (hits.t[k], hits.a[k], hits.b[k]), faces[k], far).unwrap_or(far);
+        far = offer(sink, last, hits.t[k], || hits.weights(k), faces[k], far).unwrap_or(far);
     }
     far
 }
@@ -264,7 +274,7 @@ pub fn intersect_mesh(s: &MeshShape, ray: &LocalRay, sink: &mut impl HitSink) {
                     simd::run(AllPacks { found, far });
                 }
             } else {
-                tree.visit_leaves(&walked, 0.0, far, found);
+                tree.visit_leaves(&walked, 0.0, far, &mut { found });
             }
         }
         (tree, _) => tree.closest_slots(&walked, 0.0, far, |slot, far| {

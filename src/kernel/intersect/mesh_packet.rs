@@ -1,7 +1,7 @@
 //! Many rays against a mesh at once: the hits of `kernel/intersect/mesh`, to the last bit. The rays go through the tree as a packet
 //! (`accel/packet`); a face is tested for eight of them side by side, with the operations of the single test.
 
-use super::mesh::{ShearedRay, TOLERANCE, intersect_mesh, offer_pack, reordered};
+use super::mesh::{ORDERS, ShearedRay, TOLERANCE, intersect_mesh, offer_pack};
 use super::{HitSink, LocalRay, Part};
 use crate::accel::{Accel, Bvh8, Fars, GROUPS, LANES, NO_PRIM, PACK, Packet, PacketVisitor, PerRay, round_up};
 use crate::compile::shape::MeshShape;
@@ -137,7 +137,7 @@ impl<const ANY: bool> Kernel for Together<'_, ANY> {
     }
 }
 
-/// A bit for each ray of a group that is longest along x, y and z: the rule of `longest_axis`.
+/// A bit for each ray of a group that is longest along x, y and z: the rule of `axes_along`.
 #[inline(always)]
 fn longest_axes<S: Simd>(s: S, packet: &Packet, g: usize) -> [u32; 3] {
     let zero = s.splat_x8(0.0);
@@ -190,7 +190,7 @@ impl<const ANY: bool> Crossings<'_, ANY> {
     /// Makes rays of a group ready that are longest along `axis`.
     #[inline(always)]
     fn shear_along<S: Simd>(&mut self, s: S, axis: usize, g: usize, lanes: u32) {
-        let [x, y, z] = reordered([0usize, 1, 2], axis);
+        let [x, y, z] = ORDERS[axis];
         let inv = s.div_x8(s.splat_x8(1.0), s.load_x8(&self.packet.dir[z][g]));
         let shear = [
             s.array_x8(s.mul_x8(s.load_x8(&self.packet.dir[x][g]), inv)),
@@ -219,7 +219,7 @@ impl<const ANY: bool> Crossings<'_, ANY> {
         mut lanes: u32,
         far: &mut Fars,
     ) -> bool {
-        let [x, y, z] = reordered([0usize, 1, 2], last_axis);
+        let [x, y, z] = ORDERS[last_axis];
         let (mut met, origin) = (false, &self.packet.origin);
         while lanes != 0 {
             let l = lanes.trailing_zeros() as usize % LANES;
@@ -227,7 +227,7 @@ impl<const ANY: bool> Crossings<'_, ANY> {
             let ray = ShearedRay {
                 origin: [origin[x][g][l], origin[y][g][l], origin[z][g][l]],
                 shear: [self.hits.shear[0][g][l], self.hits.shear[1][g][l], self.hits.shear[2][g][l]],
-                last_axis,
+                axes: [x, y, z],
             };
             let (before, last) = self.last(g, l);
             let t = offer_pack(simd, &ray, pack, faces, &mut self.hits.sink::<ANY>(g, l), &mut (before, last), before);
@@ -258,7 +258,7 @@ impl<const ANY: bool> Crossings<'_, ANY> {
         far: &mut Fars,
     ) -> bool {
         let zero = s.splat_x8(0.0);
-        let [x, y, z] = reordered([0usize, 1, 2], axis);
+        let [x, y, z] = ORDERS[axis];
         let origin = &self.packet.origin;
         let origin = [s.load_x8(&origin[x][g]), s.load_x8(&origin[y][g]), s.load_x8(&origin[z][g])];
         let shear = [s.load_x8(&self.hits.shear[0][g]), s.load_x8(&self.hits.shear[1][g])];
