@@ -22,6 +22,8 @@ def main(scene_path, width, height, samples, seed, threads, out, pixel_filter=""
         bpy.ops.wm.read_factory_settings(use_empty=True)
         # Lamps as rayloom takes them: candela are watts per steradian.
         bpy.ops.import_scene.gltf(filepath=scene_path, export_import_convert_lighting_mode="COMPAT")
+        # A factory's clamp and blur are no part of the file.
+        bpy.context.scene.cycles.sample_clamp_indirect = bpy.context.scene.cycles.blur_glossy = 0
     scene = bpy.context.scene
     if scene.camera is None:
         scene.camera = next((o for o in scene.objects if o.type == "CAMERA"), None)
