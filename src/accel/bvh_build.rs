@@ -3,18 +3,13 @@
 //! Source: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies".
 
 use super::bvh::{BVH_LEAF, MAX_DEPTH};
-use super::{AccelOptions, AccelStats, BoxF, Bvh, BvhNode, PrimRef, PrimSet, seconds_since, usable_prims};
-use glam::Vec4;
+use super::bvh_bins::{BinMap, Bins, Box4, CHUNK, N_BINS, Ref, Scratch, box_of, center, centers_of, partition};
+use super::{AccelOptions, AccelStats, BoxF, Bvh, BvhNode, PrimSet, seconds_since, usable_prims};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Bins of an axis in large nodes.
-const N_BINS: usize = 32;
 /// Nodes with more references build their halves in parallel.
 const PARALLEL_LIMIT: usize = 1 << 14;
-/// Nodes with more references are also binned in parallel, in pieces of this size.
-const CHUNK: usize = 1 << 16;
-
 /// A child: its node or first reference, and its count, as [`BvhNode`] has them.
 type Child = (u32, u32);
 
@@ -224,169 +219,6 @@ struct Division {
 impl Division {
     fn new(refs: &[Ref], n_left: usize) -> Self {
         Self { n_left, left: box_of(&refs[..n_left]).to_boxf(), right: box_of(&refs[n_left..]).to_boxf() }
-    }
-}
-
-/// A box in registers of four; the fourth number means nothing.
-#[derive(Clone, Copy)]
-struct Box4 {
-    lo: Vec4,
-    hi: Vec4,
-}
-
-impl Box4 {
-    const EMPTY: Self = Self { lo: Vec4::INFINITY, hi: Vec4::NEG_INFINITY };
-
-    #[inline(always)]
-    fn grow(&mut self, other: &Self) {
-        self.lo = self.lo.min(other.lo);
-        self.hi = self.hi.max(other.hi);
-    }
-
-    #[inline(always)]
-    fn to_boxf(self) -> BoxF {
-        BoxF { lo: self.lo.truncate().to_array(), hi: self.hi.truncate().to_array() }
-    }
-}
-
-/// A primitive's box. Its number stands in the two fourth places, as the fractions of numbers between 1 and 2: sums of them stay ordinary.
-#[derive(Clone, Copy)]
-struct Ref(Box4);
-
-const FRACTION_BITS: u32 = f32::MANTISSA_DIGITS - 1;
-const ONE: u32 = 1.0f32.to_bits();
-
-impl Ref {
-    fn new(r: &PrimRef) -> Self {
-        let [low, high] = [r.prim & ((1 << FRACTION_BITS) - 1), r.prim >> FRACTION_BITS].map(|part| f32::from_bits(ONE | part));
-        let ([x, y, z], [u, v, w]) = (r.bounds.lo, r.bounds.hi);
-        Self(Box4 { lo: Vec4::new(x, y, z, low), hi: Vec4::new(u, v, w, high) })
-    }
-
-    fn prim(&self) -> u32 {
-        (self.0.lo.w.to_bits() ^ ONE) | (self.0.hi.w.to_bits() ^ ONE) << FRACTION_BITS
-    }
-
-    /// Twice the centroid.
-    #[inline(always)]
-    fn center(&self) -> Vec4 {
-        self.0.lo + self.0.hi
-    }
-}
-
-/// Twice the centroid.
-#[inline]
-fn center(r: &Ref, axis: usize) -> f32 {
-    r.center()[axis]
-}
-
-/// Box of the doubled centroids.
-fn centers_of(refs: &[Ref]) -> BoxF {
-    folded(refs, |r| Box4 { lo: r.center(), hi: r.center() }).to_boxf()
-}
-
-/// The box of them all.
-fn box_of(refs: &[Ref]) -> Box4 {
-    folded(refs, |r| r.0)
-}
-
-fn folded(refs: &[Ref], of: impl Fn(&Ref) -> Box4 + Sync) -> Box4 {
-    let grown = |mut a: Box4, b: Box4| {
-        a.grow(&b);
-        a
-    };
-    let all = |refs: &[Ref]| refs.iter().fold(Box4::EMPTY, |b, r| grown(b, of(r)));
-    if refs.len() > CHUNK { refs.par_chunks(CHUNK).map(all).reduce(|| Box4::EMPTY, grown) } else { all(refs) }
-}
-
-/// Moves what belongs to the left to the front, and counts it. Every reference is moved: which belongs where cannot be foretold, and a wrong guess
-/// of the processor costs more.
-fn partition(refs: &mut [Ref], is_left: impl Fn(&Ref) -> bool) -> usize {
-    let mut n_left = 0;
-    for i in 0..refs.len() {
-        let r = refs[i];
-        refs[i] = refs[n_left];
-        refs[n_left] = r;
-        n_left += usize::from(is_left(&r));
-    }
-    n_left
-}
-
-/// Which bin a centroid falls into.
-struct BinMap {
-    lo: Vec4,
-    scale: Vec4,
-    n_bins: usize,
-}
-
-impl BinMap {
-    /// `None` when all centroids are in one place.
-    fn new(centers: &BoxF, n_bins: usize) -> Option<Self> {
-        let scale: [f32; 3] = std::array::from_fn(|k| {
-            // Just below, so that the last centroid falls into the last bin.
-            let s = n_bins as f32 * 0.999_99 / (centers.hi[k] - centers.lo[k]);
-            if s.is_finite() { s } else { 0.0 }
-        });
-        let of = |v: [f32; 3]| Vec4::new(v[0], v[1], v[2], 0.0);
-        scale.iter().any(|s| *s > 0.0).then_some(Self { lo: of(centers.lo), scale: of(scale), n_bins })
-    }
-
-    /// By axis.
-    #[inline(always)]
-    fn bins(&self, r: &Ref) -> [i32; 4] {
-        let place = (r.center() - self.lo) * self.scale;
-        place.to_array().map(|v| v as i32)
-    }
-}
-
-/// Boxes and numbers of the references in each bin.
-struct Bins {
-    boxes: [[Box4; N_BINS]; 3],
-    counts: [[u32; N_BINS]; 3],
-}
-
-impl Bins {
-    fn empty() -> Self {
-        Self { boxes: [[Box4::EMPTY; N_BINS]; 3], counts: [[0; N_BINS]; 3] }
-    }
-
-    /// Of these references alone; bins that the map does not use stay as they were.
-    fn count(&mut self, map: &BinMap, refs: &[Ref]) {
-        for axis in 0..3 {
-            self.boxes[axis][..map.n_bins].fill(Box4::EMPTY);
-            self.counts[axis][..map.n_bins].fill(0);
-        }
-        for r in refs {
-            let at = map.bins(r);
-            for axis in 0..3 {
-                let i = (at[axis] as usize).min(N_BINS - 1);
-                self.boxes[axis][i].grow(&r.0);
-                self.counts[axis][i] += 1;
-            }
-        }
-    }
-
-    fn merged(mut self: Box<Self>, other: Box<Self>) -> Box<Self> {
-        for axis in 0..3 {
-            for i in 0..N_BINS {
-                self.boxes[axis][i].grow(&other.boxes[axis][i]);
-                self.counts[axis][i] += other.counts[axis][i];
-            }
-        }
-        self
-    }
-}
-
-/// Room that nodes use one after the other.
-struct Scratch {
-    bins: Box<Bins>,
-    /// By bin: the box of all from it on, and what they cost.
-    above: Box<[(Box4, f64); N_BINS]>,
-}
-
-impl Scratch {
-    fn new() -> Self {
-        Self { bins: Box::new(Bins::empty()), above: Box::new([(Box4::EMPTY, f64::INFINITY); N_BINS]) }
     }
 }
 

@@ -15,6 +15,7 @@ mod boxf;
 mod bvh;
 mod bvh8;
 mod bvh8_build;
+mod bvh_bins;
 mod bvh_build;
 mod bvh_skip;
 mod grid;
