@@ -111,6 +111,17 @@ impl CameraModel {
         Some((Ray::new(self.location + offset, dir.try_normalize()?), p.normal_point))
     }
 
+    /// Place, direction, right and up of a camera whose rays through its lens are direction and shares of right and up; of parallel ones
+    /// right and up are zero. `None` for other projections and for bent directions.
+    pub fn flat_frame(&self) -> Option<[DVec3; 4]> {
+        let (right, up) = match self.projection {
+            Projection::Perspective => (self.right, self.up),
+            Projection::Orthographic => (DVec3::ZERO, DVec3::ZERO),
+            _ => return None,
+        };
+        self.normal_ix.is_none().then_some([self.location, self.direction, right, up])
+    }
+
     /// Screen coordinates, -0.5..0.5, y upwards.
     fn screen(&self, x: f64, y: f64) -> DVec2 {
         DVec2::new((x + 0.5) / self.resolution.x - 0.5, ((self.resolution.y - 1.0) - (y - 0.5)) / self.resolution.y - 0.5)

@@ -53,6 +53,11 @@ impl Lens {
         }
     }
 
+    /// Places of the samples in apertures, what they are shifted by, half the aperture, and the directions of the lens plane.
+    pub fn geometry(&self) -> (&[[f64; 2]], f64, f64, [DVec3; 2]) {
+        (&self.grid, self.jitter, self.half_aperture, self.axes)
+    }
+
     /// Most samples.
     pub fn max_samples(&self) -> u32 {
         self.grid.len() as u32

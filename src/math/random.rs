@@ -204,6 +204,11 @@ static JITTER: LazyLock<[f64; 256]> = LazyLock::new(|| {
     })
 });
 
+/// The numbers that [`pixel_jitter`] chooses from.
+pub fn jitter_table() -> &'static [f64; 256] {
+    &JITTER
+}
+
 /// The jitter pair that POV-Ray gives position (x, y), each in -0.5..0.5. A fixed function of position.
 pub fn pixel_jitter(x: f64, y: f64) -> (f64, f64) {
     let h = |n: i64| i64::from(HASH[(n & 4095) as usize]);

@@ -3,6 +3,7 @@
 
 use super::camera::start_interiors;
 use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
+use super::lens_buffers::lens_words;
 use super::material_buffers::{encode_materials, material_constants};
 use super::media_buffers::{encode_media, media_options};
 use super::mesh_buffers::{Boxes, MeshWords, encode_meshes};
@@ -47,6 +48,8 @@ pub(super) struct SceneBuffers {
     pub media_points: u32,
     /// Some medium is there.
     pub media: bool,
+    /// Place of the lens, 0 for none.
+    pub lens_at: u32,
     /// Some shadow rays go on behind what they meet.
     pub transparency: bool,
 }
@@ -79,13 +82,32 @@ pub(super) fn bits3(v: DVec3) -> [u32; 3] {
     bits(v3(v))
 }
 
-/// Rows of the way back from a space.
-pub(super) fn inverse_rows(t: &crate::math::Transform) -> [u32; 12] {
-    let (m, d) = (t.inverse.matrix3, t.inverse.translation);
-    std::array::from_fn(|k| {
-        let row = k / 4;
-        ([m.x_axis[row], m.y_axis[row], m.z_axis[row], d[row]][k % 4] as f32).to_bits()
-    })
+/// A number in 32 bits, and what they left off: the two words of a real (`real.wesl`).
+pub(super) fn real(v: f64) -> [u32; 2] {
+    let near = v as f32;
+    [near.to_bits(), low_part(v).to_bits()]
+}
+
+/// What 32 bits leave off a number.
+pub(super) fn low_part(v: f64) -> f32 {
+    let near = v as f32;
+    if near.is_finite() { (v - f64::from(near)) as f32 } else { 0.0 }
+}
+
+/// What 32 bits leave off a vector.
+pub(super) fn low_part3(v: DVec3) -> [f32; 3] {
+    v.to_array().map(low_part)
+}
+
+/// Rows of the way back from a space, as reals.
+pub(super) fn inverse_rows(t: &crate::math::Transform) -> Vec<u32> {
+    rows_of(&t.inverse).into_iter().flatten().flat_map(real).collect()
+}
+
+/// Rows of an affine map.
+fn rows_of(a: &crate::math::DAffine3) -> [[f64; 4]; 3] {
+    let (m, d) = (a.matrix3, a.translation);
+    std::array::from_fn(|k| [m.x_axis[k], m.y_axis[k], m.z_axis[k], d[k]])
 }
 
 /// A box rounded and padded outward.
@@ -94,6 +116,12 @@ pub(super) fn outward(b: &Bounds) -> ([f32; 3], [f32; 3]) {
     let pad = |v: Vec3| v.abs() * 1e-6 + Vec3::splat(1e-30);
     let (low, high) = (limit(b.min), limit(b.max));
     ((low - pad(low)).to_array(), (high + pad(high)).to_array())
+}
+
+/// Corners of a box, rounded outward.
+fn box_words(b: &Bounds) -> Vec<u32> {
+    let (low, high) = outward(b);
+    [bits(low), bits(high)].concat()
 }
 
 /// Features that a shader may hold for scenes that do not use them.
@@ -105,6 +133,11 @@ impl SceneBuffers {
     pub fn new(scene: &CompiledScene, plan: &ScenePlan, kind: AccelKind) -> Result<Self, BackendError> {
         let g = &scene.geometry;
         let mut textures = encode_textures(&scene.textures, &roots(scene), !plan.quality.normals)?;
+        // Functions that ask patterns that ask objects whose insides are functions would call themselves.
+        let asks_patterns = textures.shader.functions.contains("free_value(");
+        if asks_patterns && textures.shader.features.contains("pattern_object") && g.prims.iter().any(|p| p.kind == PrimKind::Isosurface) {
+            return Err(BackendError::Unsupported("object patterns beside isosurfaces and functions of patterns".into()));
+        }
         let mut words = vec![0];
         let meshes = encode_meshes(scene, kind, &textures, &mut words)?;
         let mut params = scene_params(scene);
@@ -120,7 +153,7 @@ impl SceneBuffers {
         params.camera_interiors[..around.len()].copy_from_slice(&around);
         params.n_camera_interiors = around.len() as u32;
         params.clip_steps_at = append(&mut words, g.clip_steps.iter().flat_map(clip_step));
-        params.clip_boxes_at = append(&mut words, g.clip_boxes.iter().flat_map(|b| [bits3(b.min), bits3(b.max)].concat()));
+        params.clip_boxes_at = append(&mut words, g.clip_boxes.iter().flat_map(box_words));
         params.fogs_at = encode_fogs(scene, &mut words);
         params.rainbows_at = encode_rainbows(scene, &mut words, &mut textures.words);
         if let Some(sky) = &scene.sky {
@@ -160,6 +193,7 @@ impl SceneBuffers {
         let mut interiors: Vec<Interior> = scene.interiors.iter().map(interior).collect();
         encode_media(scene, plan, &textures, &mut words, &mut params, &mut interiors);
         let lights = scene.lights.iter().map(|l| light(scene, l, &mut words)).collect();
+        let lens_at = lens_words(&plan.camera).map_or(0, |w| append(&mut words, w));
         let mut buffers = Self {
             params,
             prims,
@@ -177,6 +211,7 @@ impl SceneBuffers {
             max_area_points: 0,
             media_points: 0,
             media: scene.features.media,
+            lens_at,
             transparency,
         };
         buffers.meshes.nodes = tree_nodes;
@@ -232,7 +267,13 @@ impl SceneBuffers {
             ("places", PLACED.iter().any(|k| all || f.prim_kinds & (1 << *k as u32) != 0)),
             ("cutaway", cutaway > 0),
             ("unbounded", !g.unbounded.is_empty()),
-            ("programs", f.clip_programs || cutaway > 0 || g.prims.iter().any(|p| p.flags & prim_flags::BOUNDED != 0)),
+            (
+                "programs",
+                f.clip_programs
+                    || cutaway > 0
+                    || self.textures.shader.features.contains("pattern_object")
+                    || g.prims.iter().any(|p| p.flags & prim_flags::BOUNDED != 0),
+            ),
             ("bounded_by", g.prims.iter().any(|p| p.flags & prim_flags::BOUNDED != 0)),
             ("principled", f.principled),
             ("image_words", !self.textures.image_words.is_empty()),
@@ -312,6 +353,7 @@ impl SceneBuffers {
             o.constant(&format!("KIND_{}", name.to_uppercase()), *kind as u32);
         }
         material_constants().into_iter().for_each(|(name, v)| o.constant(&name, v));
+        o.constant("LENS_AT", self.lens_at);
         self.media_points = media_options(scene, &mut o)?;
         let irid = scene.settings.irid_wavelength;
         let numbers = [
@@ -525,11 +567,10 @@ fn encode_object(
 }
 
 fn transform(t: &crate::math::Transform) -> Transform {
-    let rows = |a: &crate::math::DAffine3| {
-        let (m, d) = (a.matrix3, a.translation);
-        std::array::from_fn(|k| [m.x_axis[k] as f32, m.y_axis[k] as f32, m.z_axis[k] as f32, d[k] as f32])
-    };
-    Transform { forward: rows(&t.forward), inverse: rows(&t.inverse) }
+    let (forward, inverse) = (rows_of(&t.forward), rows_of(&t.inverse));
+    let near = |rows: [[f64; 4]; 3]| rows.map(|r| r.map(|v| v as f32));
+    let low = |rows: [[f64; 4]; 3]| rows.map(|r| r.map(low_part));
+    Transform { forward: near(forward), inverse: near(inverse), forward_low: low(forward), inverse_low: low(inverse) }
 }
 
 fn interior(i: &crate::compile::Interior) -> Interior {
@@ -537,6 +578,7 @@ fn interior(i: &crate::compile::Interior) -> Interior {
         fade_color: i.fade_color.to_array(),
         fade_distance: i.fade_distance as f32,
         ior: i.ior as f32,
+        ior_low: low_part(i.ior),
         fade_power: i.fade_power as f32,
         old_refraction: i.old_refraction as f32,
         caustics: i.caustics as f32,

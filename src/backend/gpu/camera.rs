@@ -3,6 +3,7 @@
 //! A ray's direction in 32 bits is off by 6e-8 of the way to what it meets. Where nothing lies between the camera and the scene's box,
 //! rays start at the box, so that what is left of the way is short.
 
+use super::buffers::{low_part3, v3};
 use super::layout::Start;
 use crate::backend::BackendError;
 use crate::compile::CompiledScene;
@@ -11,7 +12,7 @@ use crate::integrate::classic::{InteriorList, ScenePlan, bent, interiors_at, sin
 use crate::integrate::samples::hash;
 use crate::kernel::lens::Lens;
 use crate::kernel::mesh_camera::MeshCamera;
-use crate::math::{Bounds, Ray};
+use crate::math::{Bounds, DVec3, Ray};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -49,6 +50,20 @@ impl<'s> CameraRays<'s> {
         } else {
             Ok(())
         }
+    }
+
+    /// Whether all rays start inside the same things for certain, so that the device may make them.
+    pub fn is_unwatched(&self) -> bool {
+        self.around.is_none()
+    }
+
+    /// Picture positions, as `lens_rays` reads them.
+    pub fn positions(positions: &[(f64, f64)]) -> Vec<Start> {
+        let start = |(x, y): &(f64, f64)| {
+            let at = DVec3::new(*x, *y, 0.0);
+            Start { origin: v3(at), origin_low: low_part3(at), key: position_key(*x, *y), ..Start::default() }
+        };
+        positions.par_iter().map(start).collect()
     }
 
     /// Rays of a mesh camera, those of a position together; and the number of each position's.
@@ -90,7 +105,9 @@ impl<'s> CameraRays<'s> {
             self.strays.store(true, Ordering::Relaxed);
         }
         let t = self.start_box.map_or(0.0, |b| entry(ray, &b));
-        Start { origin: ray.at(t).as_vec3().to_array(), shown: 1, dir: ray.dir.as_vec3().to_array(), key: 0 }
+        let origin = ray.at(t);
+        let (origin_low, dir_low) = (low_part3(origin), low_part3(ray.dir));
+        Start { origin: v3(origin), shown: 1, dir: v3(ray.dir), origin_low, dir_low, ..Start::default() }
     }
 }
 

@@ -66,6 +66,10 @@ shared! {
         shown: u32,
         dir: [f32; 3],
         key: u32,
+        origin_low: [f32; 3],
+        padding0: u32,
+        dir_low: [f32; 3],
+        padding1: u32,
     }
     /// What one step works on.
     struct Batch {
@@ -74,9 +78,9 @@ shared! {
         n_shadows: u32,
         n_areas: u32,
         round: u32,
-        padding0: u32,
-        padding1: u32,
-        padding2: u32,
+        lens_first: u32,
+        lens_samples: u32,
+        padding: u32,
     }
     /// A leaf of the scene.
     struct Prim {
@@ -101,6 +105,8 @@ shared! {
     struct Transform {
         forward: [[f32; 4]; 3],
         inverse: [[f32; 4]; 3],
+        forward_low: [[f32; 4]; 3],
+        inverse_low: [[f32; 4]; 3],
     }
     /// A filling.
     struct Interior {
@@ -112,8 +118,8 @@ shared! {
         caustics: f32,
         hollow: u32,
         media_at: u32,
-        padding0: u32,
-        padding1: u32,
+        ior_low: f32,
+        padding: u32,
     }
     /// An answer to light.
     struct Finish {
@@ -178,6 +184,10 @@ shared! {
         max_depth: f32,
         key: u32,
         media_at: u32,
+        origin_low: [f32; 3],
+        padding0: u32,
+        dir_low: [f32; 3],
+        padding1: u32,
     }
     /// What a ray met.
     struct Hit {
@@ -186,9 +196,9 @@ shared! {
         face: u32,
         a: f32,
         b: f32,
+        t_low: f32,
         padding0: u32,
         padding1: u32,
-        padding2: u32,
     }
     /// A ray towards a light.
     struct ShadowRay {
@@ -202,7 +212,9 @@ shared! {
         n_interiors: u32,
         from_prim: u32,
         from_face: u32,
-        padding: u32,
+        padding0: u32,
+        origin_low: [f32; 3],
+        padding1: u32,
     }
     /// What the path integrator shares over a whole picture.
     struct PathParams {
@@ -285,6 +297,8 @@ shared! {
         from_prim: u32,
         from_face: u32,
         key: u32,
+        point_low: [f32; 3],
+        padding: u32,
     }
     /// Lengths of the queues, and what went wrong.
     struct Counters {

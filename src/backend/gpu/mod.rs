@@ -8,6 +8,7 @@ mod camera;
 pub mod choice;
 pub mod device;
 pub mod layout;
+mod lens_buffers;
 mod material_buffers;
 mod media_buffers;
 mod mesh_buffers;
@@ -20,6 +21,7 @@ mod shape_buffers;
 mod support;
 pub mod texture_buffers;
 mod texture_encoder;
+mod texture_function_pigments;
 mod texture_functions;
 mod texture_images;
 mod texture_layout;
@@ -252,14 +254,19 @@ impl Picture<'_> {
         let mut sums = vec![([0.0f32; 4], [0.0f32; 4]); at.len()];
         let mut means = vec![[0.0f32; 4]; at.len()];
         let mut open: Vec<usize> = (0..at.len()).collect();
+        let on_device = self.wavefront.makes_lens_rays() && self.camera.is_unwatched();
         let (mut n, mut group) = (0, 0);
         while n < lens.max_samples() && !open.is_empty() {
             let more = lens.group(group).min(lens.max_samples() - n);
             // Few positions at a time, so that memory is bounded.
             for part in open.chunks((self.wavefront.max_samples / more).max(1) as usize) {
                 let places: Vec<(f64, f64)> = part.iter().map(|k| at[*k]).collect();
-                let starts = self.camera.lens_starts(lens, &places, n..n + more);
-                let Some(found) = self.trace_rays(&starts)? else { return Ok(None) };
+                let found = if on_device {
+                    self.wavefront.trace_lens(&camera::CameraRays::positions(&places), n..n + more, self.cancel)?
+                } else {
+                    self.trace_rays(&self.camera.lens_starts(lens, &places, n..n + more))?
+                };
+                let Some(found) = found else { return Ok(None) };
                 for (k, own) in part.iter().zip(found.chunks(more as usize)) {
                     let (sum, sum_sq) = &mut sums[*k];
                     for s in own {

@@ -19,6 +19,7 @@ pub const MODULES: &[(&str, &str)] = modules![
     "bench/trace_rays",
     "filter_shadow",
     "generate_rays",
+    "lens_rays",
     "media_round",
     "path/albedo",
     "path/bindings",

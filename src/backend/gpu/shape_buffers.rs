@@ -1,13 +1,13 @@
 //! Shapes other than meshes as words. Twins: `shaders/shared/intersect.wesl` and the modules of single kinds beside it.
 
-use super::buffers::{append, bits, bits3, inverse_rows, outward};
+use super::buffers::{append, bits, bits3, inverse_rows, outward, real};
 use super::mesh_buffers::MeshWords;
-use crate::compile::geometry::{Prim, PrimKind};
+use crate::compile::geometry::{Prim, PrimKind, prim_flags};
 use crate::compile::shape::blob::{BlobElementKind, BlobShape, GROUP};
 use crate::compile::shape::curve::CurveSegment;
 use crate::compile::shape::{HeightFieldShape, IsosurfaceShape, JuliaShape, LatheShape, PolyShape, PrismShape, SorShape};
 use crate::compile::{CompiledScene, NONE};
-use crate::math::{Bounds, DVec2};
+use crate::math::{Bounds, DVec3};
 use crate::scene::shape::{Container, JuliaFunction};
 
 /// A number in 32 bits.
@@ -15,14 +15,13 @@ fn n(v: f64) -> u32 {
     (v as f32).to_bits()
 }
 
-/// A real: a number in 32 bits, and what they left off (`real.wesl`).
-fn real(v: f64) -> [u32; 2] {
-    let near = v as f32;
-    [near.to_bits(), n(if near.is_finite() { v - f64::from(near) } else { 0.0 })]
-}
-
 fn reals(list: impl IntoIterator<Item = f64>) -> impl Iterator<Item = u32> {
     list.into_iter().flat_map(real)
+}
+
+/// The reals of vectors.
+fn vectors<const N: usize>(list: [DVec3; N]) -> Vec<u32> {
+    reals(list.into_iter().flat_map(|v| v.to_array())).collect()
 }
 
 /// Words of one shape; meshes stand already. `textures`: records of the covers.
@@ -31,29 +30,28 @@ pub(super) fn encode_shape(scene: &CompiledScene, p: &Prim, meshes: &MeshWords, 
     let new = match p.kind {
         PrimKind::Sphere => {
             let s = &s.spheres[ix];
-            [&bits3(s.center)[..], &[n(s.radius), s.uv_transform_ix], &bits3(s.uv_center)].concat()
+            [&vectors([s.center])[..], &real(s.radius), &[s.uv_transform_ix], &bits3(s.uv_center)].concat()
         }
-        PrimKind::Box => [bits3(s.boxes[ix].min), bits3(s.boxes[ix].max)].concat(),
+        PrimKind::Box => vectors([s.boxes[ix].min, s.boxes[ix].max]),
         PrimKind::Cylinder => vec![u32::from(s.cylinders[ix].open)],
-        PrimKind::Cone => vec![n(s.cones[ix].low), u32::from(s.cones[ix].open)],
-        PrimKind::Plane => [&bits3(s.planes[ix].normal)[..], &[n(s.planes[ix].distance)]].concat(),
-        PrimKind::Disc => vec![n(s.discs[ix].radius_sq), n(s.discs[ix].hole_sq)],
-        PrimKind::Torus => vec![n(s.tori[ix].major), n(s.tori[ix].minor)],
+        PrimKind::Cone => [&real(s.cones[ix].low)[..], &[u32::from(s.cones[ix].open)]].concat(),
+        PrimKind::Plane => [&vectors([s.planes[ix].normal])[..], &real(s.planes[ix].distance)].concat(),
+        PrimKind::Disc => reals([s.discs[ix].radius_sq, s.discs[ix].hole_sq]).collect(),
+        PrimKind::Torus => reals([s.tori[ix].major, s.tori[ix].minor]).collect(),
         PrimKind::Triangle => {
             let t = &s.triangles[ix];
-            let corners = t.vertices.map(bits3).concat();
-            [&corners[..], &bits3(t.normal), &[n(t.distance), u32::from(t.smooth)], &t.normals.map(bits3).concat()].concat()
+            let head = [&vectors(t.vertices)[..], &vectors([t.normal]), &real(t.distance), &[u32::from(t.smooth)]].concat();
+            [head, vectors(t.normals)].concat()
         }
         PrimKind::Mesh | PrimKind::BicubicPatch => return meshes.places[ix],
         PrimKind::Glyph => {
             let g = &s.glyphs[ix];
-            let head = [g.depth, g.min.x, g.min.y, g.max.x, g.max.y].map(n);
-            [&head[..], &outline(&g.segments)].concat()
+            let head = reals([g.depth, g.min.x, g.min.y, g.max.x, g.max.y]);
+            head.chain(outline(&g.segments)).collect()
         }
         PrimKind::Polygon => {
             let p = &s.polygons[ix];
-            let head = [p.origin, p.u, p.v, p.normal].map(bits3).concat();
-            [&head[..], &outline(&p.segments)].concat()
+            [vectors([p.origin, p.u, p.v, p.normal]), outline(&p.segments)].concat()
         }
         PrimKind::Quadric => reals(s.quadrics[ix].c).collect(),
         PrimKind::Poly => poly(&s.polys[ix]),
@@ -64,7 +62,7 @@ pub(super) fn encode_shape(scene: &CompiledScene, p: &Prim, meshes: &MeshWords, 
         PrimKind::Superellipsoid => vec![n(s.superellipsoids[ix].xy_power), n(s.superellipsoids[ix].z_power)],
         PrimKind::HeightField => height_field(&s.height_fields[ix], words),
         PrimKind::Isosurface => isosurface(&s.isosurfaces[ix]),
-        PrimKind::JuliaFractal => julia(&s.julias[ix]),
+        PrimKind::JuliaFractal => julia(&s.julias[ix], p.flags & prim_flags::CSG_CHILD == 0),
         _ => Vec::new(),
     };
     append(words, new)
@@ -72,8 +70,7 @@ pub(super) fn encode_shape(scene: &CompiledScene, p: &Prim, meshes: &MeshWords, 
 
 /// Number of pieces, and of each start, end, factors of w² and w; lines and parabolas only, as letters and polygons have them.
 fn outline(segments: &[CurveSegment]) -> Vec<u32> {
-    let pair = |v: DVec2| [n(v.x), n(v.y)];
-    let piece = |s: &CurveSegment| [pair(s.c[3]), pair(s.at(1.0)), pair(s.c[1]), pair(s.c[2])].concat();
+    let piece = |s: &CurveSegment| reals([s.c[3], s.at(1.0), s.c[1], s.c[2]].into_iter().flat_map(|v| v.to_array())).collect::<Vec<u32>>();
     std::iter::once(segments.len() as u32).chain(segments.iter().flat_map(piece)).collect()
 }
 
@@ -102,17 +99,18 @@ fn lathe(s: &LatheShape) -> Vec<u32> {
 }
 
 fn sor(s: &SorShape) -> Vec<u32> {
-    let mut w = vec![s.segments.len() as u32, n(s.base_sq), n(s.cap_sq)];
+    let mut w = vec![s.segments.len() as u32];
+    w.extend(reals([s.base_sq, s.cap_sq]));
     for p in &s.segments {
-        w.extend([n(p.low), n(p.high)]);
+        w.extend(reals([p.low, p.high]));
         w.extend(reals(p.c));
     }
     w
 }
 
 fn prism(s: &PrismShape) -> Vec<u32> {
-    let head = [s.segments.len() as u32, u32::from(s.conic), u32::from(s.open), n(s.low), n(s.high)];
-    head.into_iter().chain(pieces(&s.segments)).collect()
+    let head = [s.segments.len() as u32, u32::from(s.conic), u32::from(s.open)];
+    head.into_iter().chain(reals([s.low, s.high])).chain(pieces(&s.segments)).collect()
 }
 
 fn corners(b: &Bounds) -> [u32; 6] {
@@ -137,9 +135,8 @@ fn blob(s: &BlobShape, textures: &[u32], words: &mut Vec<u32>) -> Vec<u32> {
             BlobElementKind::Cylinder { length } => (2, length),
         };
         w.push(kind);
-        w.extend(bits3(e.center));
-        w.extend(bits3(e.axis));
-        w.extend([n(length), n(e.radius_sq), n(e.f0)]);
+        w.extend(vectors([e.center, e.axis]));
+        w.extend(reals([length, e.radius_sq, e.f0]));
         w.push(rows.get(e.transform_ix as usize).copied().unwrap_or(0));
         w.push(s.textures.get(e.component as usize).map_or(0, own));
     }
@@ -183,10 +180,11 @@ pub(super) fn julia_kind(s: &JuliaShape) -> Option<u32> {
     }
 }
 
-fn julia(s: &JuliaShape) -> Vec<u32> {
+/// `is_whole`: no CSG asks for hits behind the first.
+fn julia(s: &JuliaShape, is_whole: bool) -> Vec<u32> {
     let mut w: Vec<u32> = reals(s.c.to_array()).collect();
     w.extend([julia_kind(s).unwrap_or(0), s.max_iteration, n(s.precision), n(s.w0)]);
     w.extend(bits3(s.w_slope));
-    w.extend([n(s.escape_sq), n(s.radius)]);
+    w.extend([n(s.escape_sq), n(s.radius), u32::from(is_whole)]);
     w
 }

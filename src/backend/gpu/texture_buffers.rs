@@ -21,6 +21,8 @@ pub struct TextureRoots {
     pub normals: BTreeSet<NormalIx>,
     /// Functions that shaders call by their number: those of isosurfaces.
     pub functions: BTreeSet<FunctionIx>,
+    /// By object of an object pattern: start and length of the program that tells its inside; no length for none.
+    pub insides: Vec<[u32; 2]>,
 }
 
 impl TextureRoots {
@@ -30,11 +32,13 @@ impl TextureRoots {
         let surfaces = g.surfaces.iter().flat_map(|s| [s.texture, s.interior_texture]);
         let parts = g.shapes.meshes.iter().flat_map(|m| m.textures.iter().copied());
         let parts = parts.chain(g.shapes.blobs.iter().flat_map(|b| b.textures.iter().copied()));
+        let inside = |o: &u32| g.objects.get(*o as usize).map_or([0; 2], |o| [o.inside.start, o.inside.len]);
         Self {
             textures: surfaces.chain(parts).filter(|t| *t != NONE).collect(),
             pigments: scene.sky.iter().flat_map(|s| s.pigments.iter().copied()).collect(),
             normals: (scene.camera_normal != NONE).then_some(scene.camera_normal).into_iter().collect(),
             functions: BTreeSet::new(),
+            insides: scene.textures.pattern_objects.iter().map(inside).collect(),
         }
     }
 }
@@ -61,7 +65,7 @@ pub struct TextureWords {
 /// Fails with `BackendError::Unsupported` when something that is asked for cannot be evaluated on the GPU yet.
 pub fn encode_textures(tables: &TextureTables, roots: &TextureRoots, quick_colors: bool) -> Result<TextureWords, BackendError> {
     let NoiseTables { words, places } = NoiseTables::default();
-    let mut encoder = TextureEncoder::new(tables, words, quick_colors);
+    let mut encoder = TextureEncoder::new(tables, &roots.insides, words, quick_colors);
     let mut out = TextureWords {
         words: Vec::new(),
         image_words: Vec::new(),

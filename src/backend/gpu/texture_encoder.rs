@@ -31,6 +31,8 @@ struct Space {
 
 pub(super) struct TextureEncoder<'t> {
     pub tables: &'t TextureTables,
+    /// Programs of the objects of object patterns.
+    pub insides: &'t [[u32; 2]],
     pub words: Vec<u32>,
     pub images: ImageWords,
     pub functions: FunctionText,
@@ -59,9 +61,10 @@ pub(super) fn bits(v: f64) -> u32 {
 
 impl<'t> TextureEncoder<'t> {
     /// `words`: what stands in front of all records.
-    pub fn new(tables: &'t TextureTables, words: Vec<u32>, quick_colors: bool) -> Self {
+    pub fn new(tables: &'t TextureTables, insides: &'t [[u32; 2]], words: Vec<u32>, quick_colors: bool) -> Self {
         Self {
             tables,
+            insides,
             words,
             images: ImageWords::default(),
             functions: FunctionText::default(),

@@ -4,7 +4,7 @@
 use super::texture_encoder::TextureEncoder;
 use crate::backend::BackendError;
 use crate::compile::function::{CallSite, FunctionNode, INTERNAL_NOISE3D, Instr, Op, wide_index};
-use crate::compile::texture::{FunctionIx, PatternCode, PigmentCode, pattern_name};
+use crate::compile::texture::{FunctionIx, PigmentIx};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -36,8 +36,15 @@ import package::shared::function_internal::{internal_ellipsoid, internal_heart, 
     internal_spikes_2d, internal_superellipsoid, internal_th, internal_torus};
 import package::shared::function_math::{function_acos, function_asin, function_atan, function_cos, function_div, function_max,
     function_min, function_pow, function_tan, function_truth};
+import package::constants;
+import package::shared::map_colors::{PigmentColor, color_of_words, plain_color};
 import package::shared::noise::noise;
-import package::shared::pattern_function::{color_in_function, pattern_in_function};
+import package::shared::pattern::shaped;
+import package::shared::pattern_function::{entries_of_average, entries_of_map, free_value, grey_of, numbers_of, sum_with};
+import package::shared::pattern_simple::above_one;
+import package::shared::real::real3;
+import package::shared::texture_point::Rgbft;
+import package::shared::warp::warp_point;
 ";
 
 /// Functions written so far.
@@ -45,11 +52,22 @@ import package::shared::pattern_function::{color_in_function, pattern_in_functio
 pub(super) struct FunctionText {
     text: String,
     known: BTreeSet<FunctionIx>,
+    known_pigments: BTreeSet<PigmentIx>,
     /// Those that shaders call with a point.
     called: BTreeSet<FunctionIx>,
 }
 
 impl FunctionText {
+    /// Notes that a pigment is written; false when it was before.
+    pub fn know_pigment(&mut self, ix: PigmentIx) -> bool {
+        self.known_pigments.insert(ix)
+    }
+
+    /// Appends a function that is whole.
+    pub fn add(&mut self, text: &str) {
+        self.text += text;
+    }
+
     /// The module; empty without functions.
     pub fn module(&self, n_params: impl Fn(FunctionIx) -> usize) -> String {
         if self.called.is_empty() {
@@ -103,7 +121,6 @@ impl TextureEncoder<'_> {
             return Ok(());
         }
         let params: Vec<String> = (0..self.n_params(ix)).map(|k| format!("a{k}: f32")).collect();
-        let point = "vec3f(a0, a1, a2)";
         let body = match self.tables.functions[ix as usize] {
             FunctionNode::Code { start, len, n_regs, result, n_params } => {
                 let code = &self.tables.instrs[start as usize..][..len as usize];
@@ -113,34 +130,12 @@ impl TextureEncoder<'_> {
                 let args: Vec<String> = (0..params.len()).map(|k| format!("a{k}")).collect();
                 format!("    return {};\n", one_result(&self.internal_call(n, &args)?))
             }
-            FunctionNode::Pattern(pattern) => {
-                let code = &self.tables.patterns[pattern as usize].code;
-                if matches!(code, PatternCode::Function(_) | PatternCode::Pigment(_)) {
-                    return Err(refused(format!("the pattern '{}' inside a function", pattern_name(code))));
-                }
-                let at = self.pattern(pattern)?.at;
-                format!("    return {};\n", one_result(&format!("pattern_in_function({at}u, {point})")))
-            }
-            FunctionNode::Pigment(pigment) => {
-                let node = &self.tables.pigments[pigment as usize];
-                let plain = match node.code {
-                    PigmentCode::Solid(_) | PigmentCode::Image(_) => true,
-                    PigmentCode::Colors(_) => {
-                        let code = &self.tables.patterns[node.pattern as usize].code;
-                        !matches!(code, PatternCode::Function(_) | PatternCode::Pigment(_))
-                    }
-                    PigmentCode::Map(_) | PigmentCode::Average(_) => false,
-                };
-                if !plain {
-                    return Err(refused("a pigment of pigments or functions inside a function"));
-                }
-                let at = self.pigment(pigment)?;
-                format!("    return color_in_function({at}u, {point});\n")
-            }
+            FunctionNode::Pattern(pattern) => self.pattern_function(pattern)?,
+            FunctionNode::Pigment(pigment) => self.pigment_function(pigment)?,
             FunctionNode::Transform(t) => {
                 let m = self.tables.function_transforms[t as usize].forward.to_cols_array().map(literal);
                 format!(
-                    "    let p = mat3x3f({}) * {point} + vec3f({});\n    return array<f32, 5>(p.x, p.y, p.z, 0.0, 0.0);\n",
+                    "    let p = mat3x3f({}) * vec3f(a0, a1, a2) + vec3f({});\n    return array<f32, 5>(p.x, p.y, p.z, 0.0, 0.0);\n",
                     m[..9].join(", "),
                     m[9..].join(", ")
                 )
@@ -148,7 +143,7 @@ impl TextureEncoder<'_> {
             FunctionNode::Spline(_) => return Err(refused("a spline inside a function")),
         };
         let text = format!("fn user_function_{ix}({}) -> array<f32, 5> {{\n{body}}}\n\n", params.join(", "));
-        self.functions.text += &text;
+        self.functions.add(&text);
         self.functions.known.insert(ix);
         Ok(())
     }
@@ -236,7 +231,7 @@ impl TextureEncoder<'_> {
         self.tables.call_args[site.args_start as usize..][..usize::from(site.n_args)].iter().map(|r| format!("r{r}")).collect()
     }
 
-    fn user_call(&mut self, function: FunctionIx, mut args: Vec<String>) -> Result<String, BackendError> {
+    pub fn user_call(&mut self, function: FunctionIx, mut args: Vec<String>) -> Result<String, BackendError> {
         self.write_function(function)?;
         args.resize(self.n_params(function), "0.0".to_owned());
         Ok(format!("user_function_{function}({})", args.join(", ")))

@@ -75,7 +75,7 @@ pub(super) const IMAGE: Record = Record {
 };
 
 /// Words of a warp: its kind and the most numbers that one takes.
-pub(super) const WARP_LEN: u32 = 16;
+pub(super) const WARP_LEN: u32 = 25;
 
 /// Names of kinds; the number of a kind is its place.
 pub(super) const PATTERN_KINDS: &[&str] = &[
@@ -102,6 +102,7 @@ pub(super) const PATTERN_KINDS: &[&str] = &[
     "image_pattern",
     "leopard",
     "marble",
+    "object",
     "onion",
     "pigment_pattern",
     "planar",

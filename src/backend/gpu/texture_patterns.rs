@@ -1,5 +1,6 @@
 //! Patterns and their warps into words. The numbers behind each record are in the order that its function in `shaders/shared/` names.
 
+use super::buffers::{low_part, real};
 use super::texture_encoder::{Placed, TextureEncoder, bits};
 use super::texture_layout::{PATTERN, PATTERN_KINDS, WARP_KINDS, WARP_LEN, WAVE_KINDS, kind};
 use crate::backend::BackendError;
@@ -14,6 +15,10 @@ const SCALAR_NOISE: [&str; 9] = ["agate", "bozo", "bumps", "dents", "granite", "
 
 fn three(v: DVec3) -> [u32; 3] {
     v.to_array().map(bits)
+}
+
+fn reals(v: DVec3) -> Vec<u32> {
+    v.to_array().into_iter().flat_map(real).collect()
 }
 
 impl TextureEncoder<'_> {
@@ -68,7 +73,7 @@ impl TextureEncoder<'_> {
     fn arguments(&mut self, code: &PatternCode) -> Result<(Vec<u32>, u32), BackendError> {
         let words = match *code {
             PatternCode::Agate { turb } => vec![bits(turb)],
-            PatternCode::Brick { size, mortar } => [&three(size)[..], &[bits(mortar)]].concat(),
+            PatternCode::Brick { size, mortar } => [reals(size), real(mortar).to_vec()].concat(),
             PatternCode::Crackle { form, metric, offset, solid } => {
                 let needed = if solid { 1 } else { (0..3).rev().find(|k| form[*k] != 0.0).map_or(1, |k| k as u32 + 1) };
                 [&three(form)[..], &[bits(metric), bits(offset), u32::from(solid), needed]].concat()
@@ -90,13 +95,15 @@ impl TextureEncoder<'_> {
             PatternCode::Fractal(ix) => {
                 let f = &self.tables.fractals[ix as usize];
                 let (a, b) = f.julia.unwrap_or_default();
-                let own = [u32::from(f.magnet), u32::from(f.julia.is_some()), bits(a), bits(b), f.iterations, f.exponent];
+                let head = [u32::from(f.magnet), u32::from(f.julia.is_some())];
+                let own = [&head[..], &real(a), &real(b), &[f.iterations, f.exponent]].concat();
                 let parts = [f.exterior, f.interior].map(|(kind, factor)| [u32::from(kind), bits(factor)]);
                 [&own[..], &parts[0], &parts[1]].concat()
             }
             PatternCode::Function(ix) => vec![self.function(ix)?],
-            PatternCode::Gradient(direction) => three(direction).to_vec(),
+            PatternCode::Gradient(direction) => reals(direction),
             PatternCode::Image(ix) => vec![self.image(ix)],
+            PatternCode::Object(slot) => self.insides.get(slot as usize).copied().unwrap_or_default().to_vec(),
             PatternCode::Pigment(ix) => {
                 // Wherever its value is asked for, the loop that gathers colours answers.
                 self.feature("nested_pigments");
@@ -108,7 +115,8 @@ impl TextureEncoder<'_> {
             PatternCode::Ripples | PatternCode::Waves => {
                 let sources = &self.tables.wave_sources;
                 if self.wave_sources_at == 0 {
-                    self.wave_sources_at = self.put(sources.iter().flat_map(|(place, f)| [place.x, place.y, place.z, *f].map(bits)));
+                    self.wave_sources_at =
+                        self.put(sources.iter().flat_map(|(place, f)| [place.x, place.y, place.z, *f].into_iter().flat_map(real)));
                 }
                 vec![sources.len() as u32, self.wave_sources_at]
             }
@@ -157,7 +165,10 @@ fn record_words(node: &PatternNode, name: &str, warps_at: u32, transform_at: u32
 
 fn warp_words(w: &WarpNode) -> (&'static str, Vec<u32>) {
     match *w {
-        WarpNode::Affine(m) => ("affine", m.to_cols_array().map(bits).to_vec()),
+        WarpNode::Affine(m) => {
+            let columns = m.to_cols_array();
+            ("affine", [columns.map(bits), columns.map(|v| low_part(v).to_bits())].concat())
+        }
         WarpNode::Turbulence { amount, noise } => {
             ("turbulence", [&three(amount)[..], &[noise.octaves, noise.omega.to_bits(), noise.lambda.to_bits()]].concat())
         }

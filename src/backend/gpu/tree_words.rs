@@ -129,6 +129,8 @@ pub(super) fn has_lists(kind: AccelKind) -> bool {
 /// Tells the shaders how to walk structures of kind `kind`.
 pub(super) fn choose_walk(o: &mut ShaderOptions, kind: AccelKind, scene_depth: u32, mesh_depth: u32) {
     o.accel = kind.structure().map_or("brute", |s| s.shader);
+    // Its walk takes what has no bounds with it.
+    o.feature_if("prelude_scene", o.accel == "bvh" && o.features.contains("unbounded"));
     o.feature_if("node_pairs", words_per_element(kind) == 2);
     o.feature_if("leaf_refs", is_kd(kind));
     o.feature_if("short_stack", kind == AccelKind::KdShort);

@@ -1,7 +1,7 @@
 //! The wavefront: rays wait in a queue, each step takes a batch off its end through trace, shade and shadow, and puts the rays that the
 //! hits sent on in its place. Last in, first out: the queue grows by a few rays a level, not by the whole picture.
 //!
-//! Stages: `generate_rays`, then until the queue is empty `trace_closest`, where there are media `media_round`, `shade`, and until no light
+//! Stages: `generate_rays` (of focal blur `lens_rays`), then until the queue is empty `trace_closest`, where there are media `media_round`, `shade`, and until no light
 //! is in question `trace_shadow`, `filter_shadow`; where there are area lights, `area_round`. It and `media_round` ask with shadow rays and
 //! run again until they have no question. `project_light` comes before `trace_shadow` where lights are projected through objects.
 
@@ -11,6 +11,7 @@ use super::layout::{AreaTask, Batch, Counters, Hit, Ray, ShadowRay, Start};
 use super::shader::assemble;
 use crate::backend::BackendError;
 use bytemuck::{Pod, bytes_of, cast_slice};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -33,6 +34,7 @@ const FIRST_BATCH: u32 = 1 << 14;
 /// Pipelines of the stages.
 struct Stages {
     generate_rays: wgpu::ComputePipeline,
+    lens_rays: Option<wgpu::ComputePipeline>,
     trace_closest: wgpu::ComputePipeline,
     shade: wgpu::ComputePipeline,
     trace_shadow: wgpu::ComputePipeline,
@@ -151,6 +153,8 @@ impl<'g> Wavefront<'g> {
         };
         let stages = Stages {
             generate_rays: stage("generate_rays")?,
+            // Positions want all their bits: another hash would choose other places.
+            lens_rays: if scene.lens_at != 0 && gpu.has_double() { Some(stage("lens_rays")?) } else { None },
             trace_closest: stage("trace_closest")?,
             shade: stage("shade")?,
             trace_shadow: stage("trace_shadow")?,
@@ -198,12 +202,42 @@ impl<'g> Wavefront<'g> {
         if n == 0 {
             return Ok(Some(Vec::new()));
         }
+        self.begin(&self.stages.generate_rays, starts, Batch { n, ..Batch::default() });
+        self.finish(n, cancel)
+    }
+
+    /// Whether samples of the lens are made here.
+    pub fn makes_lens_rays(&self) -> bool {
+        self.stages.lens_rays.is_some()
+    }
+
+    /// What `samples` of the lens see at each position, those of a position together; `None` when cancelled. At most `max_samples` in all.
+    pub fn trace_lens(
+        &mut self,
+        positions: &[Start],
+        samples: Range<u32>,
+        cancel: &AtomicBool,
+    ) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
+        let stage = self.stages.lens_rays.as_ref().expect("the caller asked whether lens rays are made here");
+        let n = positions.len() as u32 * samples.len() as u32;
+        assert!(n <= self.max_samples, "the caller cuts its samples into batches");
+        let (lens_first, lens_samples) = (samples.start, samples.len() as u32);
+        self.begin(stage, positions, Batch { n, lens_first, lens_samples, ..Batch::default() });
+        self.finish(n, cancel)
+    }
+
+    /// Puts the rays of a batch in the queue.
+    fn begin(&self, stage: &wgpu::ComputePipeline, starts: &[Start], batch: Batch) {
         self.gpu.queue.write_buffer(&self.starts, 0, cast_slice(starts));
-        self.set_batch(Batch { n, ..Batch::default() });
+        self.set_batch(batch);
         let mut encoder = self.encoder();
-        encoder.clear_buffer(&self.radiance, 0, Some(bytes::<[f32; 4]>(n)));
-        self.run(&mut encoder, &self.stages.generate_rays, 0, n);
+        encoder.clear_buffer(&self.radiance, 0, Some(bytes::<[f32; 4]>(batch.n)));
+        self.run(&mut encoder, stage, 0, batch.n);
         self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    /// Follows `n` rays to their ends.
+    fn finish(&mut self, n: u32, cancel: &AtomicBool) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
         let mut pending = n;
         while pending > 0 {
             if cancel.load(Ordering::Relaxed) {
