@@ -450,9 +450,10 @@ fn every_pattern_alone_gives_a_shader_that_naga_accepts() {
 
 #[test]
 fn what_the_gpu_cannot_do_is_refused_by_name() {
-    let scene = scene_of(&["pigment { object { sphere { 0, 1 } rgb 0, rgb 1 } }".to_owned()]);
+    let nested = (0..30).fold("gradient x".to_owned(), |inner, _| format!("gradient y pigment_map {{ [0 {inner}] [1 rgb 1] }}"));
+    let scene = scene_of(&[format!("pigment {{ {nested} }}")]);
     match encode_textures(&scene.textures, &TextureRoots::of_scene(&scene), false) {
-        Err(BackendError::Unsupported(what)) => assert!(what.contains("object"), "{what}"),
+        Err(BackendError::Unsupported(what)) => assert!(what.contains("nested more than 24 deep"), "{what}"),
         other => panic!("expected a refusal, got {:?}", other.map(|w| w.words.len())),
     }
 }

@@ -99,9 +99,14 @@ pub(super) fn low_part3(v: DVec3) -> [f32; 3] {
     v.to_array().map(low_part)
 }
 
+/// Rows of the way back from a space, in 32 bits.
+pub(super) fn inverse_rows(t: &crate::math::Transform) -> impl Iterator<Item = u32> + use<> {
+    rows_of(&t.inverse).into_iter().flatten().map(|v| (v as f32).to_bits())
+}
+
 /// Rows of the way back from a space, as reals.
-pub(super) fn inverse_rows(t: &crate::math::Transform) -> Vec<u32> {
-    rows_of(&t.inverse).into_iter().flatten().flat_map(real).collect()
+pub(super) fn inverse_reals(t: &crate::math::Transform) -> impl Iterator<Item = u32> + use<> {
+    rows_of(&t.inverse).into_iter().flatten().flat_map(real)
 }
 
 /// Rows of an affine map.

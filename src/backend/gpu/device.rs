@@ -65,6 +65,18 @@ fn device_name(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({}{software})", info.name, info.backend)
 }
 
+/// Whether shaders count in 32 bits alone though the device has 64: on many cards those take 64 times as long.
+const BITS: &str = "RAYLOOM_GPU_BITS";
+
+fn single_precision() -> Result<bool, BackendError> {
+    match std::env::var_os(BITS) {
+        None => Ok(false),
+        Some(v) if v == "64" => Ok(false),
+        Some(v) if v == "32" => Ok(true),
+        Some(v) => Err(BackendError::NoDevice(format!("{BITS} is 32 or 64, not '{}'", v.to_string_lossy()))),
+    }
+}
+
 impl Gpu {
     /// Opens the first adapter that will do.
     pub fn new(options: &GpuOptions) -> Result<Self, BackendError> {
@@ -88,9 +100,10 @@ impl Gpu {
     }
 
     fn open(adapter: &wgpu::Adapter) -> Result<Self, BackendError> {
+        let wanted = if single_precision()? { wgpu::Features::empty() } else { wgpu::Features::SHADER_F64 };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("rayloom"),
-            required_features: adapter.features() & wgpu::Features::SHADER_F64,
+            required_features: adapter.features() & wanted,
             required_limits: adapter.limits(),
             memory_hints: wgpu::MemoryHints::Performance,
             ..Default::default()
@@ -109,7 +122,7 @@ impl Gpu {
         Ok(Self { device, queue, info: adapter.get_info(), fault })
     }
 
-    /// Whether shaders may use numbers of 64 bits: the feature `double` of those that solve for roots.
+    /// Whether shaders may use numbers of 64 bits: the feature `double` of those that hold geometry.
     pub fn has_double(&self) -> bool {
         self.device.features().contains(wgpu::Features::SHADER_F64)
     }

@@ -1,6 +1,6 @@
 //! Shapes other than meshes as words. Twins: `shaders/shared/intersect.wesl` and the modules of single kinds beside it.
 
-use super::buffers::{append, bits, bits3, inverse_rows, outward, real};
+use super::buffers::{append, bits, bits3, inverse_reals, outward, real};
 use super::mesh_buffers::MeshWords;
 use crate::compile::geometry::{Prim, PrimKind, prim_flags};
 use crate::compile::shape::blob::{BlobElementKind, BlobShape, GROUP};
@@ -120,7 +120,7 @@ fn corners(b: &Bounds) -> [u32; 6] {
 }
 
 fn blob(s: &BlobShape, textures: &[u32], words: &mut Vec<u32>) -> Vec<u32> {
-    let rows: Vec<u32> = s.transforms.iter().map(|t| append(words, inverse_rows(t))).collect();
+    let rows: Vec<u32> = s.transforms.iter().map(|t| append(words, inverse_reals(t))).collect();
     let own = |k: &u32| if *k == NONE { 0 } else { textures[*k as usize] };
     let n_textured = s.textures.iter().filter(|t| **t != NONE).count() as u32;
     let mut w = vec![s.elements.len() as u32];

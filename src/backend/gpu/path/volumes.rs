@@ -52,7 +52,7 @@ impl Volumes {
             .cells
             .entry(Arc::as_ptr(&d.grid))
             .or_insert_with(|| append(words, d.grid.size.into_iter().chain(d.grid.cells.iter().map(|v| v.to_bits()))));
-        append(words, inverse_rows(&d.transform).into_iter().chain([cells]))
+        append(words, inverse_rows(&d.transform).chain([cells]))
     }
 }
 
