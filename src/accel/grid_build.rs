@@ -13,6 +13,8 @@ const FULL_CELL: usize = 12;
 /// Boxes are grown by these shares of the longest side and of the largest coordinate, so that 32-bit rays that run beside a cell's side find
 /// what the side touches.
 const PAD: [f32; 2] = [1e-5, 4e-7];
+/// Entries of a grid for each primitive, twice or, with grids in its cells, four times as many.
+const MAX_REFS_PER_PRIM: f64 = 12.0;
 /// Cells of one grid.
 const MAX_CELLS: f64 = (1 << 25) as f64;
 
@@ -34,7 +36,8 @@ impl Grid {
         let (grids, cells, lists, entries) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let out = Grid { grids, cells, lists, entries, bounds, n_levels, stats: AccelStats::default() };
         let longest = (0..3).map(|k| bounds.hi[k] - bounds.lo[k]).fold(0.0, f32::max);
-        let spare = (n as f64 * options.max_refs_per_prim * if n_levels > 1 { 4.0 } else { 2.0 }).min(1e9) as usize + 4096;
+        let spare =
+            (n as f64 * options.max_refs_per_prim.min(MAX_REFS_PER_PRIM) * if n_levels > 1 { 4.0 } else { 2.0 }).min(1e9) as usize + 4096;
         let mut b = Builder { prims, out, pad: PAD[0] * longest + PAD[1] * bounds.max_abs() as f32, spare };
         if n > 0 {
             b.grid(&refs, &bounds, 0);

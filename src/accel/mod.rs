@@ -82,13 +82,14 @@ pub struct AccelOptions {
     pub max_leaf: usize,
     /// Primitives of a BVH leaf that are tested at once, for the price of one.
     pub pack: usize,
-    /// The kd-tree holds at most this many references for each primitive, plus a few hundred.
+    /// The kd-tree holds at most this many references for each primitive, plus a few hundred. With 12, surfaces that cross each other
+    /// everywhere end it early: shells of 311 k faces take 1.3 to 1.6 times as long on an H100 (benches/results/accel_h100.md).
     pub max_refs_per_prim: f64,
 }
 
 impl Default for AccelOptions {
     fn default() -> Self {
-        Self { intersect_cost: 1.5, max_leaf: 4, pack: 1, max_refs_per_prim: 12.0 }
+        Self { intersect_cost: 1.5, max_leaf: 4, pack: 1, max_refs_per_prim: 40.0 }
     }
 }
 

@@ -34,6 +34,8 @@ pub struct AccelBench {
     pub size: (u32, u32),
     /// Look from the middle of the scene instead of from its camera.
     pub inside: bool,
+    /// Trace rays in the order of [`RaySets::sorted`].
+    pub sorted: bool,
     /// Measure the CPU.
     pub cpu: bool,
     /// Measure GPUs; software ones are for checks.
@@ -42,7 +44,14 @@ pub struct AccelBench {
 
 impl Default for AccelBench {
     fn default() -> Self {
-        Self { kinds: STRUCTURES.iter().map(|s| s.kind).collect(), size: (512, 512), inside: false, cpu: true, gpus: true }
+        Self { kinds: STRUCTURES.iter().map(|s| s.kind).collect(), size: (512, 512), inside: false, sorted: false, cpu: true, gpus: true }
+    }
+}
+
+impl AccelBench {
+    fn rays(&self, scene: &CompiledScene) -> RaySets {
+        let rays = RaySets::new(scene, self.size.0, self.size.1, self.inside);
+        if self.sorted { rays.sorted() } else { rays }
     }
 }
 
@@ -101,7 +110,7 @@ impl Subject {
     pub fn mesh_and_rays(&self, options: &AccelBench) -> Result<Option<(Arc<Mesh>, RaySets)>, CompileError> {
         let [Object { shape: Shape::Mesh(mesh), .. }] = &self.scene.objects[..] else { return Ok(None) };
         let scene = compiled(&self.scene, AccelKind::Bvh)?;
-        Ok(Some((mesh.clone(), RaySets::new(&scene, options.size.0, options.size.1, options.inside))))
+        Ok(Some((mesh.clone(), options.rays(&scene))))
     }
 }
 
@@ -138,7 +147,7 @@ fn merged(scene: &CompiledScene) -> Option<Scene> {
 /// Measures; `told` hears of each row as soon as it is there.
 pub fn run(subject: &Subject, options: &AccelBench, told: &mut dyn FnMut(&Row)) -> Result<Vec<Row>, CompileError> {
     let first = compiled(&subject.scene, AccelKind::Bvh)?;
-    let rays = RaySets::new(&first, options.size.0, options.size.1, options.inside);
+    let rays = options.rays(&first);
     drop(first);
     let mut devices: Vec<Device> = Vec::new();
     if options.cpu {

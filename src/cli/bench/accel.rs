@@ -27,6 +27,9 @@ pub(super) struct AccelArgs {
     /// Look from the middle of the scene instead of from its camera: for rooms
     #[arg(long)]
     inside: bool,
+    /// Rays in the order of their octants and places: what sorting them would gain, its own time not counted
+    #[arg(long)]
+    sorted: bool,
     /// Which machines
     #[arg(long, default_value = "all", value_parser = ["all", "cpu", "gpu"])]
     devices: String,
@@ -63,7 +66,14 @@ pub(super) fn run(args: &AccelArgs) -> Result<ExitCode, JobError> {
         [only] if only == "embree" => vec![AccelKind::Bvh8],
         list => list.iter().filter_map(|n| AccelKind::named(n)).collect(),
     };
-    let options = AccelBench { kinds, size: args.size, inside: args.inside, cpu: args.devices != "gpu", gpus: args.devices != "cpu" };
+    let options = AccelBench {
+        kinds,
+        size: args.size,
+        inside: args.inside,
+        sorted: args.sorted,
+        cpu: args.devices != "gpu",
+        gpus: args.devices != "cpu",
+    };
     let name = args.scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let joined = if subject.is_merged { ", meshes joined into one" } else { "" };
     println!(
