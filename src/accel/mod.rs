@@ -237,8 +237,16 @@ impl Accel {
     #[inline]
     pub fn closest(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32, f64) -> Option<f64>) {
         match self {
-            Self::Bvh(t) => t.closest_slots(ray, t_min, t_max, |slot, best| hit(t.refs[slot as usize], best)),
             Self::Bvh8(t) => t.closest_slots(ray, t_min, t_max, |slot, best| hit(t.slots[slot as usize], best)),
+            _ => self.closest_elsewhere(ray, t_min, t_max, &mut hit),
+        }
+    }
+
+    /// The structures that are not the CPU's first choice: inlined, their stacks would stand in the frame of every ray.
+    #[inline(never)]
+    fn closest_elsewhere(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32, f64) -> Option<f64>) {
+        match self {
+            Self::Bvh(t) => t.closest_slots(ray, t_min, t_max, |slot, best| hit(t.refs[slot as usize], best)),
             _ => self.closest_slots(ray, t_min, t_max, |slot, best| hit(self.prim_at(slot), best)),
         }
     }
@@ -247,8 +255,16 @@ impl Accel {
     #[inline]
     pub fn any(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32) -> bool) -> bool {
         match self {
-            Self::Bvh(t) => t.any_slot(ray, t_min, t_max, |slot| hit(t.refs[slot as usize])),
             Self::Bvh8(t) => t.any_slot(ray, t_min, t_max, |slot| hit(t.slots[slot as usize])),
+            _ => self.any_elsewhere(ray, t_min, t_max, &mut hit),
+        }
+    }
+
+    /// As [`Accel::closest_elsewhere`].
+    #[inline(never)]
+    fn any_elsewhere(&self, ray: &Ray, t_min: f64, t_max: f64, mut hit: impl FnMut(u32) -> bool) -> bool {
+        match self {
+            Self::Bvh(t) => t.any_slot(ray, t_min, t_max, |slot| hit(t.refs[slot as usize])),
             _ => self.any_slot(ray, t_min, t_max, |slot| hit(self.prim_at(slot))),
         }
     }

@@ -8,8 +8,8 @@
 use super::boxf::round_down;
 use super::bvh8::{BVH8_LEAF, Bvh8, Bvh8Node, Bvh8Ray, LeafVisitor, MAX_STACK, SCALE_SLACK, STEEPEST, WIDTH, leaf_slots, overlap, walk};
 use super::stack::Room;
-use crate::math::Ray;
 use crate::math::simd::{Kernel, Simd};
+use crate::math::{DVec3, Ray};
 
 /// Rays side by side.
 pub const LANES: usize = 8;
@@ -59,6 +59,22 @@ impl Packet {
         }
     }
 
+    /// Takes `n` rays, at most [`PACKET`], that start in one point. `fill` gets the directions by axis, of which it writes the first `n`.
+    #[inline]
+    pub fn set_from(&mut self, origin: DVec3, n: usize, fill: impl FnOnce(&mut [[f64; PACKET]; 3])) {
+        self.n = n.min(PACKET);
+        fill(bytemuck::cast_mut(&mut self.dir));
+        let lanes = self.n_groups().min(GROUPS) * LANES;
+        for axis in 0..3 {
+            self.origin[axis][..lanes / LANES].fill([origin[axis]; LANES]);
+            let dir: &mut [f64; PACKET] = bytemuck::cast_mut(&mut self.dir[axis]);
+            if self.n > 0 {
+                let last = dir[self.n - 1];
+                dir[self.n..lanes].fill(last);
+            }
+        }
+    }
+
     /// Number of rays.
     #[inline]
     pub fn len(&self) -> usize {
@@ -95,7 +111,7 @@ impl Packet {
     pub fn ray(&self, k: usize) -> Ray {
         let of = |v: &[PerRay<f64>; 3]| {
             let (g, l) = (k / LANES % GROUPS, k % LANES);
-            crate::math::DVec3::new(v[0][g][l], v[1][g][l], v[2][g][l])
+            DVec3::new(v[0][g][l], v[1][g][l], v[2][g][l])
         };
         Ray::new(of(&self.origin), of(&self.dir))
     }

@@ -84,12 +84,28 @@ pub fn for_covers(scene: &CompiledScene, hit: &SurfaceHit, from_inside: bool, mu
         }
         _ => {}
     }
-    let texture = if from_inside && surface.interior_texture != NONE { surface.interior_texture } else { surface.texture };
-    if texture != NONE {
-        f(Cover { texture, transform_ix: surface.transform_ix, weight: 1.0 });
-    } else {
-        cutaway(scene, hit, prim.object_ix, f);
+    match whole_cover(surface, from_inside) {
+        Some(cover) => f(cover),
+        None => cutaway(scene, hit, prim.object_ix, f),
     }
+}
+
+/// The one texture that a hit shows, told at once for what is neither a mesh nor a blob nor cut away: what [`for_covers`] would be called with.
+#[inline]
+pub fn sole_cover(scene: &CompiledScene, hit: &SurfaceHit, from_inside: bool) -> Option<Cover> {
+    let g = &scene.geometry;
+    let prim = &g.prims[hit.prim_ix as usize];
+    if matches!(prim.kind, PrimKind::Mesh | PrimKind::Blob) {
+        return None;
+    }
+    whole_cover(&g.surfaces[prim.surface_ix as usize], from_inside)
+}
+
+/// The texture of a whole surface on the side that is seen, if there is one.
+#[inline]
+fn whole_cover(surface: &Surface, from_inside: bool) -> Option<Cover> {
+    let texture = if from_inside && surface.interior_texture != NONE { surface.interior_texture } else { surface.texture };
+    (texture != NONE).then_some(Cover { texture, transform_ix: surface.transform_ix, weight: 1.0 })
 }
 
 /// The textures of the cut parts that the point is inside, in equal shares.

@@ -1,7 +1,9 @@
 //! Geometry as a whole: scenes of a few objects, compiled and hit, with answers known beforehand.
 
 use super::inside::{containing_interiors, inside_object};
-use super::traverse::{MIN_DEPTH, ShadowHit, intersect, intersect_shadow};
+use super::traverse::{
+    ClearPrims, MIN_DEPTH, Nearest, ShadowHit, intersect, intersect_clear, intersect_shadow, intersect_shadow_noting, meets_plain,
+};
 use crate::accel::AccelKind;
 use crate::compile::{CompileOptions, CompiledScene, compile_scene};
 use crate::diag::Sink;
@@ -116,6 +118,83 @@ fn shadow_rays_stop_at_opaque_things_and_report_the_nearest_clear_one() {
     let mut unseen = sphere(DVec3::new(0.0, 0.0, 5.0), 1.0);
     unseen.flags.no_shadow = Some(true);
     assert!(matches!(intersect_shadow(&compiled(vec![unseen]), &ray, 1e-3, 100.0, 0), ShadowHit::None));
+}
+
+/// Shapes of the common kinds, turned and stretched, side by side.
+fn assorted() -> Vec<Object> {
+    let shapes = [
+        Shape::Sphere { center: DVec3::ZERO, radius: 1.0 },
+        Shape::Box { min: DVec3::NEG_ONE, max: DVec3::new(1.0, 0.5, 1.0) },
+        Shape::Cylinder { a: DVec3::NEG_Y, b: DVec3::new(0.2, 1.0, 0.0), radius: 0.7, open: false },
+        Shape::Cone { a: DVec3::NEG_Y, radius_a: 1.0, b: DVec3::Y, radius_b: 0.3, open: true },
+        Shape::Disc { center: DVec3::ZERO, normal: DVec3::new(0.1, 0.9, 0.2).normalize(), radius: 1.0, hole: 0.2 },
+    ];
+    let placed = (0..40).map(|k| {
+        let mut o = Object::new(shapes[k % shapes.len()].clone());
+        let k = k as f64;
+        o.apply_transform(&Transform::scaling(DVec3::new(0.5 + (k * 0.37).fract(), 0.5 + (k * 0.61).fract(), 0.8)));
+        o.apply_transform(&Transform::rotation_deg(DVec3::new(31.0 * k, 17.0 * k, 7.0 * k)));
+        o.apply_transform(&Transform::translation(DVec3::new((k * 0.73).fract(), (k * 0.41).fract(), (k * 0.29).fract()) * 8.0 - 4.0));
+        o
+    });
+    placed.chain([Object::new(Shape::Plane { normal: DVec3::Y, distance: -5.0 }), sphere(DVec3::ZERO, 0.6)]).collect()
+}
+
+#[test]
+fn what_a_shadow_ray_is_told_of_plain_shapes_is_what_the_nearest_hit_says() {
+    let scene = compiled(assorted());
+    let (mut n_told, mut n_met) = (0, 0);
+    for (k, d) in scattered(3000).enumerate() {
+        let (from, far) = (d * 9.0, 4.0 + (k % 13) as f64);
+        let ray = Ray::new(from, (d.yzx() * 4.0 - from).normalize());
+        for (ix, prim) in scene.geometry.prims.iter().enumerate() {
+            let mut any = Nearest::any(&scene, &ray, 1e-3, far, (u32::MAX, true));
+            any.test(ix as u32);
+            if let Some(is_met) = meets_plain(&scene.geometry, prim, &ray, 1e-3, far) {
+                assert_eq!(is_met, any.found(), "primitive {ix}, {:?}, {ray:?}", prim.kind);
+                (n_told, n_met) = (n_told + 1, n_met + u32::from(is_met));
+            }
+        }
+    }
+    assert!(n_told == 3000 * 42 && n_met > 1000, "{n_told} {n_met}");
+}
+
+#[test]
+fn the_rest_of_a_shadow_ray_meets_what_a_walk_of_its_own_would() {
+    let clear = |mut o: Object| {
+        o.texture = Some(Arc::new(Texture::solid(Rgbft { filter: 0.5, ..Rgbft::rgb(1.0, 1.0, 1.0) })));
+        o
+    };
+    let mut objects: Vec<Object> = assorted().into_iter().map(clear).collect();
+    objects.push(sphere(DVec3::new(30.0, 0.0, 0.0), 1.0));
+    let scene = Scene { objects, ..Scene::default() };
+    let (mut n_pieces, mut n_full) = (0, 0);
+    for accel in [AccelKind::Auto, AccelKind::Kd] {
+        let options = CompileOptions { accel, ..CompileOptions::default() };
+        let scene = compile_scene(&scene, &options, &mut Sink::default()).expect("a scene that compiles");
+        for d in scattered(1500) {
+            let mut ray = Ray::new(d * 9.0, (d.yzx() * 2.0 - d * 9.0).normalize());
+            let (mut left, mut noted) = (20.0, ClearPrims::default());
+            let mut met = intersect_shadow_noting(&scene, &ray, 1e-3, left, u32::MAX, None, &mut noted);
+            let Some(prims) = noted.all() else {
+                n_full += 1;
+                continue;
+            };
+            while let ShadowHit::Transparent(h) = met {
+                (ray.origin, left, n_pieces) = (h.point, left - h.t, n_pieces + 1);
+                let walked = intersect_shadow(&scene, &ray, 1e-3, left, u32::MAX);
+                let known = intersect_clear(&scene, &ray, 1e-3, left, prims);
+                let both = match (&walked, &known) {
+                    (ShadowHit::Transparent(a), Some(b)) => (a.t, a.prim_ix, a.normal) == (b.t, b.prim_ix, b.normal),
+                    (ShadowHit::None, None) => true,
+                    _ => false,
+                };
+                assert!(both, "{accel:?}: {walked:?}, {known:?}");
+                met = walked;
+            }
+        }
+    }
+    assert!(n_pieces > 2000 && n_full < 300, "{n_pieces} {n_full}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! Nothing here tests for shadow. Source: spec/light.md, section 6; spec/textures.md, section 12. Twin: `shaders/shared/light`.
 
 use crate::compile::LightBeam;
+use crate::math::simd::{self, Kernel, Simd};
 use crate::math::{DVec3, EPSILON, to_power};
 use crate::scene::Light;
 use crate::scene::light::{AreaLight, Fade, LightKind};
@@ -117,7 +118,39 @@ pub fn area_axes(area: &AreaLight, to_light: DVec3) -> (DVec3, DVec3) {
     (a, len * to_light.cross(a).normalize_or_zero())
 }
 
+/// Makes `n` ways to points unit, if `v` holds the ways by axis; gives their lengths. As [`light_ray`] does for one, to the last bit.
+pub fn unit_ways<const N: usize>(v: &mut [[f64; N]; 3], length: &mut [f64; N], n: usize) {
+    simd::run(UnitWays { v, length, n });
+}
+
+struct UnitWays<'v, const N: usize> {
+    v: &'v mut [[f64; N]; 3],
+    length: &'v mut [f64; N],
+    n: usize,
+}
+
+impl<const N: usize> Kernel for UnitWays<'_, N> {
+    type Output = ();
+
+    /// Plain loops: compiled for wide registers they run side by side.
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        let [x, y, z] = self.v;
+        let n = self.n.min(N);
+        for k in 0..n {
+            self.length[k] = (x[k] * x[k] + y[k] * y[k] + z[k] * z[k]).sqrt();
+        }
+        for (axis, none) in [(x, 0.0), (y, 1.0), (z, 0.0)] {
+            for k in 0..n {
+                let d = axis[k] / self.length[k];
+                axis[k] = if self.length[k] > 0.0 { d } else { none };
+            }
+        }
+    }
+}
+
 /// Shift of grid point (u, v) (already jittered) from the centre.
+#[inline]
 pub fn area_offset(area: &AreaLight, axes: (DVec3, DVec3), u: f64, v: f64) -> DVec3 {
     let place = |u: f64, n: u32| if n > 1 { u / f64::from(n - 1) - 0.5 } else { 0.0 };
     let (mut a, mut b) = (place(u, area.n1), place(v, area.n2));
@@ -182,6 +215,22 @@ mod tests {
         let light = Light { parallel: true, point_at: DVec3::NEG_Y, ..Light::point(DVec3::ZERO, Vec3::ONE) };
         let r = light_ray(&light, DVec3::new(3.0, 2.0, 0.0), DVec3::ZERO);
         assert_eq!((r.dir, r.distance), (DVec3::Y, -2.0));
+    }
+
+    #[test]
+    fn ways_together_are_those_one_by_one() {
+        let light = Light::point(DVec3::new(3.0, 40.0, -7.0), Vec3::ONE);
+        let at = |k: usize| DVec3::new(0.37 * k as f64, -1.1, (k * k) as f64 * 0.013);
+        let (mut v, mut length) = ([[0.0; 16]; 3], [0.0; 16]);
+        for k in 0..15 {
+            let to = light.location - at(k);
+            (v[0][k], v[1][k], v[2][k]) = if k == 7 { (0.0, 0.0, 0.0) } else { to.into() };
+        }
+        unit_ways(&mut v, &mut length, 15);
+        for k in 0..15 {
+            let way = light_ray(&light, if k == 7 { light.location } else { at(k) }, DVec3::ZERO);
+            assert_eq!((DVec3::new(v[0][k], v[1][k], v[2][k]), length[k]), (way.dir, way.distance));
+        }
     }
 
     #[test]

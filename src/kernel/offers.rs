@@ -34,28 +34,28 @@ impl Slabs {
 /// Places for primitives that a ray has tested.
 const N_TESTED: usize = 32;
 
-/// Which of the primitives that a tree offers a ray are worth a test.
+/// Which of the primitives that a tree offers a ray are worth a test, for trees that do not test the primitives' own boxes.
 ///
-/// A cell of a tree may be met where the primitive's box is not, and most shapes cost more than a box; and trees may offer one again and
-/// again. Trees that test the primitives' own boxes need neither question.
+/// A cell of such a tree may be met where the primitive's box is not, and most shapes cost more than a box; and it may offer one again and
+/// again.
 pub(super) struct Offers<'g> {
     bounds: &'g [Bounds],
-    doubts: Option<(Slabs, [u32; N_TESTED])>,
+    slabs: Slabs,
+    tested: [u32; N_TESTED],
 }
 
 impl<'g> Offers<'g> {
     /// For a ray.
     #[inline]
     pub fn new(g: &'g Geometry, ray: &Ray) -> Self {
-        let doubts = if g.tree.tests_own_boxes() { None } else { Some((Slabs::new(ray), [u32::MAX; N_TESTED])) };
-        Self { bounds: &g.bounds, doubts }
+        Self { bounds: &g.bounds, slabs: Slabs::new(ray), tested: [u32::MAX; N_TESTED] }
     }
 
     /// Whether it was not offered before (as far as that is remembered) and its box is met before depth `far`. What lay too far once does
     /// so ever after: the limit only shrinks.
     #[inline]
     pub fn is_worth(&mut self, prim_ix: u32, far: f64) -> bool {
-        let Some((slabs, tested)) = &mut self.doubts else { return true };
-        std::mem::replace(&mut tested[prim_ix as usize % N_TESTED], prim_ix) != prim_ix && slabs.hits(&self.bounds[prim_ix as usize], far)
+        std::mem::replace(&mut self.tested[prim_ix as usize % N_TESTED], prim_ix) != prim_ix
+            && self.slabs.hits(&self.bounds[prim_ix as usize], far)
     }
 }

@@ -1,7 +1,7 @@
 //! Shadow rays together: which of them an opaque thing stops, which may cross clear things. For rays that start in one point or end in one,
 //! such as those to the points of an area light, the scene's tree is walked once (`accel/packet`).
 
-use super::traverse::{Nearest, is_blocker};
+use super::traverse::{Nearest, is_blocker, meets_plain};
 use crate::accel::{Accel, Bvh8, Fars, GROUPS, LANES, PACKET, Packet, PacketVisitor, round_up};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
@@ -114,7 +114,8 @@ impl Shadows<'_> {
     }
 
     fn test(&mut self, prim_ix: u32, rays: u64) -> u64 {
-        let is_clear = self.scene.geometry.prims[prim_ix as usize].flags & prim_flags::TRANSPARENT != 0;
+        let prim = &self.scene.geometry.prims[prim_ix as usize];
+        let is_clear = prim.flags & prim_flags::TRANSPARENT != 0;
         // That a ray meets something clear need not be found twice.
         let mut todo = rays & !self.masks.blocked & if is_clear { !self.masks.clear } else { u64::MAX };
         let mut met = 0;
@@ -122,10 +123,13 @@ impl Shadows<'_> {
             let k = todo.trailing_zeros() as usize % PACKET;
             todo &= todo - 1;
             let ray: Ray = self.packet.ray(k);
-            let mut any = Nearest::any(self.scene, &ray, self.t_min, self.t_max[k], self.bounds_asked[k]);
-            any.test(prim_ix);
-            self.bounds_asked[k] = any.bounds_asked();
-            met |= u64::from(any.found()) << k;
+            let is_met = meets_plain(&self.scene.geometry, prim, &ray, self.t_min, self.t_max[k]).unwrap_or_else(|| {
+                let mut any = Nearest::any(self.scene, &ray, self.t_min, self.t_max[k], self.bounds_asked[k]);
+                any.test(prim_ix);
+                self.bounds_asked[k] = any.bounds_asked();
+                any.found()
+            });
+            met |= u64::from(is_met) << k;
         }
         if is_clear {
             self.masks.clear |= met;

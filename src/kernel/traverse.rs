@@ -4,7 +4,7 @@
 
 use super::SurfaceHit;
 use super::inside::{inside_object, run_program};
-use super::intersect::{HitSink, LocalRay, Part, intersect_shape, shape_uv, world_normal};
+use super::intersect::{HitSink, LocalRay, Part, intersect_shape, quadrics, shape_uv, simple, triangle, world_normal};
 use super::offers::{Offers, Slabs};
 use crate::accel::Candidates;
 use crate::compile::CompiledScene;
@@ -81,56 +81,144 @@ fn test_object(scene: &CompiledScene, object_ix: u32, slabs: &Slabs, nearest: &m
 /// What lies on `ray` with `t_min < t < t_max`: stops at the first opaque hit found anywhere. Primitives without shadow are skipped.
 /// `last` (a primitive or `u32::MAX`) is tried first.
 pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
-    shadow(scene, ray, REST, t_min, t_max, last, None)
+    intersect_shadow_noting(scene, ray, t_min, t_max, last, None, &mut ClearPrims::default())
 }
 
-/// As [`intersect_shadow`] for a ray of a shaft that meets `among` alone (primitives without bounds not counted).
-pub fn intersect_shadow_among(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, last: u32, among: &Candidates) -> ShadowHit {
-    if among.is_empty() && scene.geometry.unbounded.is_empty() {
+/// As [`intersect_shadow`], noting which clear primitives lie on the way. A ray of a shaft meets `among` alone (primitives without bounds not
+/// counted).
+pub fn intersect_shadow_noting(
+    scene: &CompiledScene,
+    ray: &Ray,
+    t_min: f64,
+    t_max: f64,
+    last: u32,
+    among: Option<&Candidates>,
+    noted: &mut ClearPrims,
+) -> ShadowHit {
+    if among.is_some_and(Candidates::is_empty) && scene.geometry.unbounded.is_empty() {
         return ShadowHit::None;
     }
-    shadow(scene, ray, REST, t_min, t_max, last, Some(among))
+    shadow(scene, ray, REST, t_min, t_max, last, among, noted)
+}
+
+/// The clear primitives that a shadow ray may meet, noted on its first walk through the scene: where nothing opaque stands in the way, the
+/// rest of the ray meets nothing else.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ClearPrims {
+    prims: [u32; MOST_CLEAR],
+    /// May be more than there is room for.
+    n: usize,
+}
+
+/// Places for clear primitives; where more stand in the way, each piece of the ray walks.
+const MOST_CLEAR: usize = 16;
+
+impl ClearPrims {
+    /// Forgets them.
+    #[inline]
+    pub fn clear(&mut self) {
+        self.n = 0;
+    }
+
+    #[inline]
+    fn note(&mut self, prim_ix: u32) {
+        if let Some(place) = self.prims.get_mut(self.n) {
+            *place = prim_ix;
+        }
+        self.n += 1;
+    }
+
+    /// All of them; `None` when they were too many.
+    #[inline]
+    pub fn all(&self) -> Option<&[u32]> {
+        self.prims.get(..self.n)
+    }
+}
+
+/// Nearest hit of the rest of a shadow ray that passed a clear thing: of the primitives noted before, which is all that it can meet.
+pub fn intersect_clear(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, noted: &[u32]) -> Option<SurfaceHit> {
+    let g = &scene.geometry;
+    let slabs = Slabs::new(ray);
+    let mut clear = Nearest::new(scene, ray, t_min.next_up(), t_max);
+    for prim_ix in noted {
+        let b = &g.bounds[*prim_ix as usize];
+        if b.is_unbounded() || slabs.hits(b, clear.t) {
+            clear.test(*prim_ix);
+        }
+    }
+    clear.finish()
 }
 
 /// As [`intersect_shadow`], with moving objects where they are at `time`.
 pub fn intersect_shadow_at(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
-    shadow(scene, ray, time, t_min, t_max, last, None)
+    shadow(scene, ray, time, t_min, t_max, last, None, &mut ClearPrims::default())
 }
 
-fn shadow(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, last: u32, among: Option<&Candidates>) -> ShadowHit {
+fn shadow(
+    scene: &CompiledScene,
+    ray: &Ray,
+    time: f64,
+    t_min: f64,
+    t_max: f64,
+    last: u32,
+    among: Option<&Candidates>,
+    noted: &mut ClearPrims,
+) -> ShadowHit {
     let g = &scene.geometry;
     // Opaque things end the ray wherever they are, so the nearest clear hit must not shorten it for them.
     let mut clear = Nearest::new(scene, ray, t_min.next_up(), t_max);
     let mut opaque = Nearest::new(scene, ray, t_min.next_up(), t_max);
     opaque.stop_at_first = true;
     (clear.time, opaque.time) = (time, time);
-    if g.prims.get(last as usize).is_some_and(is_blocker) {
-        opaque.test(last);
-        if opaque.found() {
-            return ShadowHit::Opaque { prim_ix: last };
-        }
+    let mut stops = |prim_ix: u32, prim: &Prim| {
+        meets_plain(g, prim, ray, t_min, t_max).unwrap_or_else(|| {
+            opaque.test(prim_ix);
+            opaque.found()
+        })
+    };
+    if let Some(prim) = g.prims.get(last as usize)
+        && is_blocker(prim)
+        && stops(last, prim)
+    {
+        return ShadowHit::Opaque { prim_ix: last };
     }
-    let mut offers = Offers::new(g, ray);
-    let mut test = |prim_ix: u32, bounded: bool| {
-        let flags = g.prims[prim_ix as usize].flags;
-        if flags & prim_flags::NO_SHADOW != 0 || prim_ix == last {
+    let mut blocker = u32::MAX;
+    let mut test = |prim_ix: u32| {
+        let prim = &g.prims[prim_ix as usize];
+        if prim.flags & prim_flags::NO_SHADOW != 0 || prim_ix == last {
             return false;
         }
-        let sink = if flags & prim_flags::TRANSPARENT != 0 { &mut clear } else { &mut opaque };
-        if !bounded || offers.is_worth(prim_ix, sink.t) {
-            sink.test(prim_ix);
+        if prim.flags & prim_flags::TRANSPARENT != 0 {
+            noted.note(prim_ix);
+            clear.test(prim_ix);
+            return false;
         }
-        opaque.found()
+        let is_stopped = stops(prim_ix, prim);
+        if is_stopped {
+            blocker = prim_ix;
+        }
+        is_stopped
     };
-    let bounded = |k: u32| test(g.bounded[k as usize], true);
     let blocked = match among {
-        Some(list) => list.any(ray, t_min, t_max, bounded),
-        None => g.tree.any(ray, t_min, t_max, bounded),
+        Some(list) => list.any(ray, t_min, t_max, |k| test(g.bounded[k as usize])),
+        None if g.tree.tests_own_boxes() => g.tree.any(ray, t_min, t_max, |k| test(g.bounded[k as usize])),
+        None => any_in_doubt(g, ray, t_min, t_max, &mut test),
     };
-    if blocked || g.unbounded.iter().any(|p| test(*p, false)) {
-        return ShadowHit::Opaque { prim_ix: opaque.prim_ix };
+    if blocked || g.unbounded.iter().any(|p| test(*p)) {
+        return ShadowHit::Opaque { prim_ix: blocker };
     }
     clear.finish().map_or(ShadowHit::None, ShadowHit::Transparent)
+}
+
+/// Whether `test` says yes to any primitive that a tree offers which does not test the primitives' own boxes. What lies behind others is asked
+/// too.
+#[inline(never)]
+fn any_in_doubt(g: &Geometry, ray: &Ray, t_min: f64, t_max: f64, test: &mut impl FnMut(u32) -> bool) -> bool {
+    let mut offers = Offers::new(g, ray);
+    g.tree.any(ray, t_min, t_max, |k| {
+        let prim_ix = g.bounded[k as usize];
+        offers.is_worth(prim_ix, t_max) && test(prim_ix)
+    })
 }
 
 /// Whether a primitive stops light for good.
@@ -165,17 +253,28 @@ fn for_candidates(g: &Geometry, nearest: &mut Nearest, skip_flags: u32) {
             nearest.test(*prim_ix);
         }
     }
+    if g.tree.tests_own_boxes() { closest_of(g, nearest, skip_flags, |_, _| true) } else { closest_in_doubt(g, nearest, skip_flags) }
+}
+
+/// The tree's primitives, those that are worth it.
+#[inline(always)]
+fn closest_of(g: &Geometry, nearest: &mut Nearest, skip_flags: u32, mut is_worth: impl FnMut(u32, f64) -> bool) {
     let (ray, t_min, t_max) = (nearest.ray, nearest.t_min, nearest.limit());
-    let mut offers = Offers::new(g, ray);
     g.tree.closest(ray, t_min, t_max, |k, far| {
         let prim_ix = g.bounded[k as usize];
-        if g.prims[prim_ix as usize].flags & skip_flags != 0 || !offers.is_worth(prim_ix, far) {
+        if g.prims[prim_ix as usize].flags & skip_flags != 0 || !is_worth(prim_ix, far) {
             return None;
         }
         nearest.test(prim_ix);
         let limit = nearest.limit();
         (limit < far).then_some(limit)
     });
+}
+
+#[inline(never)]
+fn closest_in_doubt(g: &Geometry, nearest: &mut Nearest, skip_flags: u32) {
+    let mut offers = Offers::new(g, nearest.ray);
+    closest_of(g, nearest, skip_flags, |prim_ix, far| offers.is_worth(prim_ix, far));
 }
 
 /// Keeps the nearest standing hit over the primitives that it tests.
@@ -265,27 +364,18 @@ impl<'a> Nearest<'a> {
         }
         self.prim = prim_ix;
         self.clip = InsideProgram { start: prim.clip_start, len: prim.clip_len };
-        let local = if prim.flags & prim_flags::MOVING != 0 && self.time >= 0.0 {
-            let rest = self.ray.into_object(&self.motion_of(prim)).into_object(&g.transforms[prim.transform_ix as usize]);
-            let len = rest.dir.length();
-            self.per_world = len;
-            LocalRay { origin: rest.origin, dir: rest.dir / len, scale: len }
-        } else if prim.transform_ix == 0 {
-            self.per_world = 1.0;
-            LocalRay { origin: self.ray.origin, dir: self.ray.dir, scale: 1.0 }
-        } else if prim.kind == PrimKind::Box {
-            // Not made unit: what POV-Ray gets of boxes that lie on others shows that it does not either.
-            let t = &g.transforms[prim.transform_ix as usize];
-            self.per_world = 1.0;
-            LocalRay { origin: t.inverse_point(self.ray.origin), dir: t.inverse_vector(self.ray.dir), scale: 1.0 }
-        } else {
-            let t = &g.transforms[prim.transform_ix as usize];
-            let dir = t.inverse_vector(self.ray.dir);
-            let len = dir.length();
-            self.per_world = len;
-            LocalRay { origin: t.inverse_point(self.ray.origin), dir: dir / len, scale: len }
-        };
+        let local =
+            if prim.flags & prim_flags::MOVING != 0 && self.time >= 0.0 { self.moving_ray(prim) } else { local_ray(g, prim, self.ray) };
+        self.per_world = local.scale;
         intersect_shape(self.scene, prim, &local, self);
+    }
+
+    /// The ray in the space of a primitive that moves.
+    #[cold]
+    fn moving_ray(&mut self, prim: &Prim) -> LocalRay {
+        let rest = self.ray.into_object(&self.motion_of(prim)).into_object(&self.scene.geometry.transforms[prim.transform_ix as usize]);
+        let len = rest.dir.length();
+        LocalRay { origin: rest.origin, dir: rest.dir / len, scale: len }
     }
 
     /// Takes up a hit with a face of a mesh that has no clip program; of faces that are hit at once the first of the mesh stands.
@@ -348,8 +438,12 @@ impl<'a> Nearest<'a> {
     }
 
     /// The best hit with its normal and coordinates.
+    #[inline]
     pub fn finish(&self) -> Option<SurfaceHit> {
-        self.found().then(|| surface_hit(self.scene, self.ray, self.time, self.t, self.prim_ix, &self.part))
+        if !self.found() {
+            return None;
+        }
+        Some(surface_hit(self.scene, self.ray, self.time, self.t, self.prim_ix, &self.part))
     }
 }
 
@@ -405,6 +499,66 @@ impl HitSink for Nearest<'_> {
     }
 }
 
+/// The ray in the space of a primitive at rest.
+#[inline(always)]
+pub(super) fn local_ray(g: &Geometry, prim: &Prim, ray: &Ray) -> LocalRay {
+    if prim.transform_ix == 0 {
+        return LocalRay { origin: ray.origin, dir: ray.dir, scale: 1.0 };
+    }
+    let t = &g.transforms[prim.transform_ix as usize];
+    let (origin, dir) = (t.inverse_point(ray.origin), t.inverse_vector(ray.dir));
+    if prim.kind == PrimKind::Box {
+        // Not made unit: what POV-Ray gets of boxes that lie on others shows that it does not either.
+        return LocalRay { origin, dir, scale: 1.0 };
+    }
+    let len = dir.length();
+    LocalRay { origin, dir: dir / len, scale: len }
+}
+
+/// Whether a ray meets a primitive between two depths, neither included: told for those of which every hit stands and whose shape is among
+/// the common ones, `None` for others. What [`Nearest`] says, without keeping the hit.
+#[inline]
+pub(super) fn meets_plain(g: &Geometry, prim: &Prim, ray: &Ray, t_min: f64, t_max: f64) -> Option<bool> {
+    if prim.clip_len > 0 || prim.flags & (prim_flags::BOUNDED | prim_flags::MOVING) != 0 {
+        return None;
+    }
+    let (ix, s) = (prim.shape_ix as usize, &g.shapes);
+    let local = local_ray(g, prim, ray);
+    let mut sink = Within { per_world: local.scale, t_min, t_max, is_met: false };
+    match prim.kind {
+        PrimKind::Sphere => simple::intersect_sphere(&s.spheres[ix], &local, &mut sink),
+        PrimKind::Box => simple::intersect_box(&s.boxes[ix], &local, &mut sink),
+        PrimKind::Plane => simple::intersect_plane(&s.planes[ix], &local, &mut sink),
+        PrimKind::Disc => simple::intersect_disc(&s.discs[ix], &local, &mut sink),
+        PrimKind::Cylinder => quadrics::intersect_cylinder(&s.cylinders[ix], &local, &mut sink),
+        PrimKind::Cone => quadrics::intersect_cone(&s.cones[ix], &local, &mut sink),
+        PrimKind::Triangle => triangle::intersect_triangle(&s.triangles[ix], &local, &mut sink),
+        _ => return None,
+    }
+    Some(sink.is_met)
+}
+
+/// Whether any hit lies between two depths of the world's ray, neither included.
+struct Within {
+    per_world: f64,
+    t_min: f64,
+    t_max: f64,
+    is_met: bool,
+}
+
+impl HitSink for Within {
+    #[inline(always)]
+    fn push(&mut self, t_local: f64, _: Part) {
+        let t = t_local / self.per_world;
+        self.is_met |= t > self.t_min && t < self.t_max;
+    }
+
+    #[inline(always)]
+    fn far(&self) -> f64 {
+        if self.is_met { f64::NEG_INFINITY } else { self.t_max * self.per_world }
+    }
+}
+
 /// Where a moving primitive's object is at `time`, from where it rests; the identity below 0 and for what stands still.
 pub fn motion_at(g: &Geometry, prim: &Prim, time: f64) -> Transform {
     let motion = g.objects.get(prim.object_ix as usize).and_then(|o| o.motion.as_ref());
@@ -412,6 +566,7 @@ pub fn motion_at(g: &Geometry, prim: &Prim, time: f64) -> Transform {
 }
 
 /// Everything about a hit that shading asks for.
+#[inline]
 fn surface_hit(scene: &CompiledScene, ray: &Ray, time: f64, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
     let g = &scene.geometry;
     let prim = &g.prims[prim_ix as usize];

@@ -1,17 +1,18 @@
 //! The shadow rays to all points of an area light's grid, traced together where every point is wanted whatever the others show: small grids,
 //! or larger ones whose `adaptive` level covers them. Random numbers are drawn in the order of the points asked one by one.
 
+use super::lights::area_place;
 use super::shadow::{AreaGrid, corners, quarters};
 use super::shafts::Known;
 use super::trace::Tracer;
 use crate::accel::PACKET;
 use crate::compile::{CompiledLight, CompiledScene, NONE};
-use crate::kernel::light::{LightRay, area_offset, light_ray};
+use crate::kernel::light::{LightRay, area_offset, light_ray, unit_ways};
 use crate::kernel::shadow_packet::intersect_shadows;
 use crate::kernel::traverse::SHADOW_TOLERANCE;
-use crate::math::{DVec3, Ray, Vec3};
+use crate::math::{Rgb, Vec3};
 use crate::savings::Saving;
-use crate::scene::light::AreaLight;
+use crate::scene::light::{AreaLight, LightKind};
 
 /// Fewer rays are no packet.
 const LEAST: usize = 4;
@@ -47,29 +48,34 @@ pub fn area_orders(scene: &CompiledScene) -> Vec<Option<Vec<[u32; 2]>>> {
 }
 
 impl Tracer<'_> {
-    /// Fills in all points of a grid, if its light is one of those.
-    pub(super) fn area_points_together(&mut self, grid: &mut AreaGrid) {
+    /// Fills in all points of a grid, if its light is one of those. Where all of them show the same, gives that, which is the mean.
+    pub(super) fn area_points_together(&mut self, grid: &mut AreaGrid) -> Option<Rgb> {
         let (scene, plan) = (self.scene, self.plan);
-        let Some(order) = &plan.area_orders[grid.light_ix as usize] else { return };
+        let order = plan.area_orders[grid.light_ix as usize].as_ref()?;
         if self.is_stopped() {
-            return;
+            return None;
         }
-        let light = &scene.lights[grid.light_ix as usize].light;
-        let mut ways = [LightRay { dir: DVec3::ZERO, distance: 0.0 }; PACKET];
+        let mut distance = [f64::NEG_INFINITY; PACKET];
+        self.area_ways(grid, order, &mut distance);
         let mut far = [f64::NEG_INFINITY; PACKET];
-        for ((way, far), [u, v]) in ways.iter_mut().zip(&mut far).zip(order) {
-            let (ju, jv) = (self.area_place(*u, grid.area.jitter), self.area_place(*v, grid.area.jitter));
-            *way = light_ray(light, grid.point, area_offset(grid.area, grid.axes, ju, jv));
-            *far = way.distance - SHADOW_TOLERANCE;
+        for k in 0..order.len() {
+            far[k] = distance[k] - SHADOW_TOLERANCE;
         }
         let slot = usize::from(self.level > 1);
         let last = if scene.options.savings.has(Saving::Blockers) { self.blockers[grid.light_ix as usize][slot] } else { u32::MAX };
-        self.area_packet.set(order.len(), |k| Ray::new(grid.point, ways[k].dir));
         let masks = intersect_shadows(scene, &self.area_packet, SHADOW_TOLERANCE, &far, last);
-        if let Some(masks) = masks
-            && masks.blocker != u32::MAX
-        {
-            self.blockers[grid.light_ix as usize][slot] = masks.blocker;
+        if let Some(masks) = masks {
+            if masks.blocker != u32::MAX {
+                self.blockers[grid.light_ix as usize][slot] = masks.blocker;
+            }
+            // A mean of equal numbers, taken four by four, is that number to the last bit.
+            if masks.blocked | masks.clear == 0 && self.is_air_clear() {
+                return Some(grid.color);
+            }
+            let all = u64::MAX >> (PACKET - order.len());
+            if masks.blocked == all && far[..order.len()].iter().all(|far| *far > SHADOW_TOLERANCE) {
+                return Some(Vec3::ZERO);
+            }
         }
         for (k, [u, v]) in order.iter().enumerate() {
             let known = match masks {
@@ -79,16 +85,46 @@ impl Tracer<'_> {
             };
             let c = match known {
                 Known::Stopped(_) if far[k] > SHADOW_TOLERANCE => Vec3::ZERO,
-                _ => self.unshadowed(grid.light_ix, grid.around, grid.point, &ways[k], grid.color, known),
+                Known::Open if self.is_air_clear() => grid.color,
+                _ => {
+                    let way = LightRay { dir: self.area_packet.ray(k).dir, distance: distance[k] };
+                    self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color, known)
+                }
             };
             grid.points[(u * grid.area.n2 + v) as usize] = Some(c);
         }
+        None
+    }
+
+    /// Makes the rays to the points of a grid, and says how far each is.
+    fn area_ways(&mut self, grid: &AreaGrid, order: &[[u32; 2]], distance: &mut [f64; PACKET]) {
+        let light = &self.scene.lights[grid.light_ix as usize].light;
+        let Self { area_packet, random, .. } = self;
+        let is_point = matches!(light.kind, LightKind::Point | LightKind::Spot { .. }) && !light.parallel;
+        area_packet.set_from(grid.point, order.len(), |dirs| {
+            for (k, [u, v]) in order.iter().enumerate() {
+                let (u, v) = (area_place(random, *u, grid.area.jitter), area_place(random, *v, grid.area.jitter));
+                let offset = area_offset(grid.area, grid.axes, u, v);
+                let to = if is_point {
+                    light.location + offset - grid.point
+                } else {
+                    let way = light_ray(light, grid.point, offset);
+                    distance[k] = way.distance;
+                    way.dir
+                };
+                (dirs[0][k], dirs[1][k], dirs[2][k]) = to.into();
+            }
+            if is_point {
+                unit_ways(dirs, distance, order.len());
+            }
+        });
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::DVec3;
 
     #[test]
     fn grids_that_are_always_asked_in_full_are_known() {

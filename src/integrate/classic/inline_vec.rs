@@ -1,16 +1,17 @@
 //! A short list that lives on the stack: what a ray carries must not allocate. Longer lists spill to the heap.
 
-/// A list whose first `N` items stand inline.
+/// A list of up to `N` items inline, of more on the heap.
 #[derive(Clone, Debug)]
 pub struct InlineVec<T, const N: usize> {
     len: usize,
     inline: [T; N],
-    /// The items behind; boxed, so that copying and dropping a short list asks one pointer.
+    /// All items of a list that is longer; boxed, so that copying and dropping a short list asks one pointer.
     #[expect(clippy::box_collection, reason = "a list with its capacity is three words, a pointer one")]
     spill: Option<Box<Vec<T>>>,
 }
 
 impl<T: Copy + Default, const N: usize> Default for InlineVec<T, N> {
+    #[inline]
     fn default() -> Self {
         Self { len: 0, inline: [T::default(); N], spill: None }
     }
@@ -29,17 +30,25 @@ impl<T: Copy + Default, const N: usize> InlineVec<T, N> {
         self.len == 0
     }
 
+    /// The items, one after another.
+    #[inline]
+    pub fn as_slice(&self) -> &[T] {
+        match &self.spill {
+            Some(all) => all,
+            None => &self.inline[..self.len.min(N)],
+        }
+    }
+
     /// Item `i`, which must exist.
     #[inline]
     pub fn get(&self, i: usize) -> T {
-        debug_assert!(i < self.len, "items are asked for below len");
-        if i < N { self.inline[i] } else { self.spilled()[i - N] }
+        self.as_slice()[i]
     }
 
     /// The last item.
     #[inline]
     pub fn last(&self) -> Option<T> {
-        self.len.checked_sub(1).map(|i| self.get(i))
+        self.as_slice().last().copied()
     }
 
     /// Appends.
@@ -48,35 +57,35 @@ impl<T: Copy + Default, const N: usize> InlineVec<T, N> {
         if self.len < N {
             self.inline[self.len] = item;
         } else {
-            self.spill.get_or_insert_default().push(item);
+            self.spill(item);
         }
         self.len += 1;
     }
 
+    #[cold]
+    fn spill(&mut self, item: T) {
+        self.spill.get_or_insert_with(|| Box::new(self.inline.to_vec())).push(item);
+    }
+
     /// Takes item `i` out; those behind it move up.
     pub fn remove(&mut self, i: usize) {
-        for k in i + 1..self.len {
-            let item = self.get(k);
-            if k - 1 < N {
-                self.inline[k - 1] = item;
-            } else if let Some(spill) = &mut self.spill {
-                spill[k - 1 - N] = item;
+        self.len -= 1;
+        match &mut self.spill {
+            None => self.inline.copy_within(i + 1..=self.len, i),
+            Some(all) => {
+                all.remove(i);
+                if all.len() == N {
+                    self.inline.copy_from_slice(all);
+                    self.spill = None;
+                }
             }
         }
-        if let (true, Some(spill)) = (self.len > N, &mut self.spill) {
-            spill.pop();
-        }
-        self.len -= 1;
     }
 
     /// All items in order.
-    pub fn iter(&self) -> impl Iterator<Item = T> + '_ {
-        self.inline[..self.len.min(N)].iter().chain(self.spilled()).copied()
-    }
-
     #[inline]
-    fn spilled(&self) -> &[T] {
-        self.spill.as_ref().map_or(&[], |s| s)
+    pub fn iter(&self) -> impl Iterator<Item = T> + '_ {
+        self.as_slice().iter().copied()
     }
 }
 
@@ -91,7 +100,10 @@ mod tests {
         v.remove(1);
         assert_eq!(v.iter().collect::<Vec<_>>(), [0, 2, 3, 4]);
         v.remove(3);
+        assert_eq!(v.iter().collect::<Vec<_>>(), [0, 2, 3]);
         v.remove(0);
         assert_eq!((v.iter().collect::<Vec<_>>(), v.last()), (vec![2, 3], Some(3)));
+        v.push(7);
+        assert_eq!((v.as_slice(), v.len(), v.get(2)), (&[2, 3, 7][..], 3, 7));
     }
 }

@@ -6,6 +6,7 @@ use super::trace::Tracer;
 use crate::compile::geometry::prim_flags;
 use crate::kernel::finish::{highlights, power, thin_film};
 use crate::kernel::light::{area_axes, area_offset, attenuation, light_ray};
+use crate::math::random::UniformStream;
 use crate::math::{DVec3, EPSILON, Rgb, Vec3};
 use crate::savings::Saving;
 use crate::scene::Finish;
@@ -24,6 +25,13 @@ pub(super) struct LitLayer<'l> {
 #[inline]
 pub(super) fn is_dark(c: Rgb) -> bool {
     c.abs().max_element() < EPSILON as f32
+}
+
+/// Grid index of an area light, moved by up to half a cell when jittered.
+#[inline]
+pub(super) fn area_place(random: &mut UniformStream, index: u32, jitter: bool) -> f64 {
+    let place = f64::from(index);
+    if jitter { place + random.draw() - 0.5 } else { place }
 }
 
 impl Tracer<'_> {
@@ -93,7 +101,7 @@ impl Tracer<'_> {
         let axes = area_axes(a, way.dir);
         for v in 0..a.n2 {
             for u in 0..a.n1 {
-                let offset = area_offset(a, axes, self.area_place(u, a.jitter), self.area_place(v, a.jitter));
+                let offset = area_offset(a, axes, area_place(&mut self.random, u, a.jitter), area_place(&mut self.random, v, a.jitter));
                 let way = light_ray(light, point, offset);
                 let color = share * attenuation(light, &compiled.beam, point, &way) as f32;
                 let mut behind = false;
@@ -107,12 +115,6 @@ impl Tracer<'_> {
             }
         }
         sum
-    }
-
-    /// Grid index of an area light, moved by up to half a cell when jittered.
-    pub(super) fn area_place(&mut self, index: u32, jitter: bool) -> f64 {
-        let place = f64::from(index);
-        if jitter { place + self.random.draw() - 0.5 } else { place }
     }
 
     /// What a layer gives back of light of a colour from direction `dir`; only light that `glints` makes highlights.

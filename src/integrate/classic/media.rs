@@ -160,7 +160,7 @@ impl Tracer<'_> {
         });
         let rule = &table[rule_ix as usize].params;
         let has_density = !table[rule_ix as usize].densities.is_empty();
-        let mut s = std::mem::take(&mut self.media_scratch[usize::from(is_shadow)]);
+        let mut s = self.media_scratch[usize::from(is_shadow)].take().unwrap_or_default();
         s.lights.clear();
         if !is_shadow {
             self.lit_pieces(ray, depth, hit, &mut s.lights);
@@ -200,7 +200,7 @@ impl Tracer<'_> {
             total.light += part.light * transmittance(total.depth);
             total.depth += part.depth;
         }
-        self.media_scratch[usize::from(is_shadow)] = s;
+        self.media_scratch[usize::from(is_shadow)] = Some(s);
         total
     }
 

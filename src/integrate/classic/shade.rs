@@ -52,7 +52,7 @@ pub(super) struct Layered {
     /// Some layer had a colour.
     colored: bool,
     pub top_normal: DVec3,
-    pub mirrors: InlineVec<Mirror, 4>,
+    pub mirrors: InlineVec<Mirror, 2>,
 }
 
 impl Layered {
@@ -77,17 +77,25 @@ impl Tracer<'_> {
         let lit_base = self.lit.len();
         self.lit.resize(lit_base + self.plan.global_lights.len(), None);
         let ctx = HitContext { ray: r, hit, prim, normal, lit_base, weight, seen: Cell::new(normal) };
-        let covers = cover::covers_at(self.scene, hit, from_inside, self.adc_bailout);
-        let (mut rgb, mut transmit) = (Vec3::ZERO, 0.0);
-        for k in 0..covers.len() {
-            let (c, weight) = covers.get(k);
-            let (color, t) = self.shade_cover(&ctx, c);
-            rgb += weight * color;
-            transmit += weight * t;
-        }
+        let (mut rgb, mut transmit) = match cover::sole_cover_at(self.scene, hit, from_inside, self.adc_bailout) {
+            Some(cover) => self.shade_cover(&ctx, cover),
+            None => self.shade_covers(&ctx, from_inside),
+        };
         self.lit.truncate(lit_base);
         if self.plan.has_media && self.sees_volumes(r) {
             (rgb, transmit) = self.inside_media(r, hit, rgb, transmit);
+        }
+        (rgb, transmit)
+    }
+
+    /// The mean of a hit's textures.
+    #[inline(never)]
+    fn shade_covers(&mut self, ctx: &HitContext, from_inside: bool) -> (Rgb, f32) {
+        let (mut rgb, mut transmit) = (Vec3::ZERO, 0.0);
+        for (cover, weight) in cover::covers_at(self.scene, ctx.hit, from_inside, self.adc_bailout).iter() {
+            let (color, t) = self.shade_cover(ctx, cover);
+            rgb += weight * color;
+            transmit += weight * t;
         }
         (rgb, transmit)
     }
@@ -102,7 +110,7 @@ impl Tracer<'_> {
         match &scene.textures.textures[texture as usize] {
             TextureNode::Layers { start, len } => {
                 let layers = self.shade_layers(ctx, (*start, *len), p, space, weight);
-                self.finish_layers(ctx, layers, weight)
+                self.finish_layers(ctx, &layers, weight)
             }
             TextureNode::Principled(ix) => self.shade_principled(ctx, *ix, weight),
             node => {
@@ -251,7 +259,7 @@ impl Tracer<'_> {
     }
 
     /// Adds what is seen through the layers and in their mirrors.
-    fn finish_layers(&mut self, ctx: &HitContext, layers: Layered, weight: f64) -> (Rgb, f32) {
+    fn finish_layers(&mut self, ctx: &HitContext, layers: &Layered, weight: f64) -> (Rgb, f32) {
         let (mut rgb, mut transmit, mut total_reflection) = (layers.rgb, 0.0, false);
         if self.plan.quality.refraction && layers.trans > self.adc_bailout {
             let weight = weight * f64::from(layers.factor.abs().max_element());

@@ -1,6 +1,6 @@
 //! What arrives of a light at a point: shadow rays through clear things, grids of area lights. Source: spec/light.md, section 6.
 
-use super::lights::is_dark;
+use super::lights::{area_place, is_dark};
 use super::photons;
 use super::ray::InteriorList;
 use super::refract::fade_factor;
@@ -12,7 +12,7 @@ use crate::compile::NONE;
 use crate::compile::texture::TextureNode;
 use crate::kernel::atmosphere::fog_effect;
 use crate::kernel::light::{LightRay, area_axes, area_offset, light_ray};
-use crate::kernel::traverse::{SHADOW_TOLERANCE, ShadowHit, intersect_object, intersect_shadow, intersect_shadow_among};
+use crate::kernel::traverse::{ClearPrims, SHADOW_TOLERANCE, ShadowHit, intersect_clear, intersect_object, intersect_shadow_noting};
 use crate::kernel::{PatternPoint, SurfaceHit};
 use crate::math::{DVec3, Ray, Rgb, Rgbft, Vec3};
 use crate::savings::Saving;
@@ -51,19 +51,27 @@ impl Tracer<'_> {
         let slot = usize::from(self.level > 1);
         let mut color = color;
         let mut interiors: Option<InteriorList> = None;
-        for _ in 0..MAX_CLEAR_SURFACES {
+        let mut noted = ClearPrims::default();
+        for nth in 0..MAX_CLEAR_SURFACES {
             if left <= 2.0 * SHADOW_TOLERANCE {
                 break;
             }
             let last = if scene.options.savings.has(Saving::Blockers) { self.blockers[light_ix as usize][slot] } else { u32::MAX };
+            let among = if let Known::Among(list) = known { Some(list) } else { None };
             let hit = match known {
                 Known::Open => ShadowHit::None,
                 Known::Stopped(prim_ix) => ShadowHit::Opaque { prim_ix },
-                Known::Among(list) => intersect_shadow_among(scene, &ray, SHADOW_TOLERANCE, left - SHADOW_TOLERANCE, last, list),
-                Known::Nothing => intersect_shadow(scene, &ray, SHADOW_TOLERANCE, left - SHADOW_TOLERANCE, last),
+                Known::Among(_) | Known::Nothing => self.onward_to_light(&ray, left, last, nth == 0, among, &mut noted),
             };
             match hit {
-                ShadowHit::None => break,
+                ShadowHit::None => {
+                    // The last blocker stands in the way no more: asking it first would cost every ray of the lit part. In half shadows of
+                    // area lights it will soon do so again.
+                    if compiled.light.area.is_none() {
+                        self.blockers[light_ix as usize][slot] = u32::MAX;
+                    }
+                    break;
+                }
                 ShadowHit::Opaque { prim_ix } => {
                     self.blockers[light_ix as usize][slot] = prim_ix;
                     return Vec3::ZERO;
@@ -91,15 +99,38 @@ impl Tracer<'_> {
         color
     }
 
+    /// What a shadow ray meets next. The first piece of it walks through the scene, which says what the rest may meet.
+    fn onward_to_light(
+        &self,
+        ray: &Ray,
+        left: f64,
+        last: u32,
+        is_first: bool,
+        among: Option<&Candidates>,
+        noted: &mut ClearPrims,
+    ) -> ShadowHit {
+        let (t_min, t_max) = (SHADOW_TOLERANCE, left - SHADOW_TOLERANCE);
+        match noted.all() {
+            Some(prims) if !is_first => {
+                intersect_clear(self.scene, ray, t_min, t_max, prims).map_or(ShadowHit::None, ShadowHit::Transparent)
+            }
+            _ => {
+                noted.clear();
+                intersect_shadow_noting(self.scene, ray, t_min, t_max, last, among, noted)
+            }
+        }
+    }
+
     /// What surfaces leave of light that comes along `ray` from `distance` away; the air is not looked at.
     pub(super) fn clear_way(&self, around: &InteriorList, mut ray: Ray, distance: f64) -> Rgb {
         let (mut color, mut left) = (Vec3::ONE, distance);
         let mut list = around.clone();
-        for _ in 0..MAX_CLEAR_SURFACES {
+        let mut noted = ClearPrims::default();
+        for nth in 0..MAX_CLEAR_SURFACES {
             if left <= 2.0 * SHADOW_TOLERANCE {
                 break;
             }
-            match intersect_shadow(self.scene, &ray, SHADOW_TOLERANCE, left - SHADOW_TOLERANCE, u32::MAX) {
+            match self.onward_to_light(&ray, left, u32::MAX, nth == 0, None, &mut noted) {
                 ShadowHit::None => break,
                 ShadowHit::Opaque { .. } => return Vec3::ZERO,
                 ShadowHit::Transparent(hit) => {
@@ -116,9 +147,15 @@ impl Tracer<'_> {
         color
     }
 
+    /// Whether shadow rays lose nothing on their way through the air.
+    #[inline]
+    pub(super) fn is_air_clear(&self) -> bool {
+        !self.plan.quality.volumes || !self.plan.has_media && self.scene.fogs.is_empty()
+    }
+
     /// What the air and the media on `0..depth` of a shadow ray leave of `color`; `hit` ends the piece unless it ends at the light.
     fn shadow_air(&mut self, light_ix: u32, ray: &Ray, depth: f64, around: &InteriorList, color: Rgb, hit: Option<&SurfaceHit>) -> Rgb {
-        if !self.plan.quality.volumes {
+        if self.is_air_clear() {
             return color;
         }
         let scene = self.scene;
@@ -139,15 +176,19 @@ impl Tracer<'_> {
         let prim = &scene.geometry.prims[hit.prim_ix as usize];
         let from_inside = hit.normal.dot(ray.dir) > 0.0;
         let normal = if from_inside { -hit.normal } else { hit.normal };
-        let covers = cover::covers_at(scene, hit, from_inside, self.adc_bailout);
         let interior = &scene.interiors[prim.interior_ix as usize];
         let seen = std::cell::Cell::new(normal);
-        let mut sum = Vec3::ZERO;
-        for k in 0..covers.len() {
-            let (c, weight) = covers.get(k);
+        let through = |c: cover::Cover| {
             let p = cover::pattern_point(scene, hit, prim, &c, normal, ray.dir);
-            sum += weight * self.texture_filter(c.texture, hit, &p, &cover::Space::of_cover(&c, &seen), ray.dir, interior.caustics);
-        }
+            self.texture_filter(c.texture, hit, &p, &cover::Space::of_cover(&c, &seen), ray.dir, interior.caustics)
+        };
+        let mut sum = match cover::sole_cover_at(scene, hit, from_inside, self.adc_bailout) {
+            Some(c) => through(c),
+            None => {
+                let covers = cover::covers_at(scene, hit, from_inside, self.adc_bailout);
+                covers.iter().fold(Vec3::ZERO, |sum, (c, weight)| sum + weight * through(c))
+            }
+        };
         if interior.fade_power > 0.0 && around.position(prim.interior_ix).is_some() {
             sum *= fade_factor(interior, hit.t);
         }
@@ -201,8 +242,10 @@ impl Tracer<'_> {
         points.resize(area.n1 as usize * area.n2 as usize, None);
         let axes = area_axes(area, way.dir);
         let mut grid = AreaGrid { light_ix, area, axes, around, point, color, points, n_open: 0, among: None };
-        self.area_points_together(&mut grid);
-        let mean = self.area_part(&mut grid, [0, 0, area.n1.max(1) - 1, area.n2.max(1) - 1], 0);
+        let mean = match self.area_points_together(&mut grid) {
+            Some(mean) => mean,
+            None => self.area_part(&mut grid, [0, 0, area.n1.max(1) - 1, area.n2.max(1) - 1], 0),
+        };
         self.area_points = grid.points;
         self.done_with(grid.among);
         mean
@@ -237,7 +280,7 @@ impl Tracer<'_> {
         if self.is_stopped() {
             return Vec3::ZERO;
         }
-        let (ju, jv) = (self.area_place(u, grid.area.jitter), self.area_place(v, grid.area.jitter));
+        let (ju, jv) = (area_place(&mut self.random, u, grid.area.jitter), area_place(&mut self.random, v, grid.area.jitter));
         let offset = area_offset(grid.area, grid.axes, ju, jv);
         let way = light_ray(&self.scene.lights[grid.light_ix as usize].light, grid.point, offset);
         let known = grid.among.as_ref().map_or(Known::Nothing, Known::Among);

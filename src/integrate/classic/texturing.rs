@@ -4,7 +4,7 @@ use super::inline_vec::InlineVec;
 use crate::compile::CompiledScene;
 use crate::compile::geometry::Prim;
 use crate::compile::texture::TextureNode;
-use crate::kernel::cover::for_covers;
+use crate::kernel::cover::{for_covers, sole_cover};
 use crate::kernel::normal::{normal_into_pattern, normal_out_of_pattern, perturb_normal};
 use crate::kernel::pigment::{color_at, eval_pigment, eval_quick_pigment};
 use crate::kernel::texture::{choosing_pattern, for_texture_parts};
@@ -19,6 +19,13 @@ use std::cell::Cell;
 pub(super) struct Cover {
     pub texture: u32,
     pub transform_ix: u32,
+}
+
+/// The one texture that a hit shows, where that is told at once.
+#[inline]
+pub(super) fn sole_cover_at(scene: &CompiledScene, hit: &SurfaceHit, from_inside: bool, adc_bailout: f64) -> Option<Cover> {
+    let found = if 1.0 >= adc_bailout { sole_cover(scene, hit, from_inside) } else { None };
+    found.map(|c| Cover { texture: c.texture, transform_ix: c.transform_ix })
 }
 
 /// The textures that a hit shows with their shares; shares below the bailout are skipped.

@@ -43,7 +43,7 @@ pub struct Tracer<'a> {
     /// A list of primitives that nobody uses.
     pub(super) spare_list: Candidates,
     /// For view rays, and for the shadow rays inside them.
-    pub(super) media_scratch: [MediaScratch; 2],
+    pub(super) media_scratch: [Option<Box<MediaScratch>>; 2],
     /// Photons near a hit.
     pub(super) near_photons: NearestPhotons,
     /// Photons take the place of light that comes straight through their targets.
@@ -120,9 +120,10 @@ impl<'a> Tracer<'a> {
             skip |= prim_flags::NO_RADIOSITY;
         }
         let hit = intersect(self.scene, &r.ray, MIN_DEPTH, r.max_depth, skip);
-        let (mut seen, depth) = match hit {
+        // By reference: a copy of numbers just stored one by one waits for them.
+        let (mut seen, depth) = match &hit {
             Some(hit) => {
-                let (rgb, transmit) = self.shade(r, &hit, weight);
+                let (rgb, transmit) = self.shade(r, hit, weight);
                 (Seen { rgb, transmit, depth: hit.t }, hit.t)
             }
             None => (self.sky(r), BACKGROUND_DEPTH),

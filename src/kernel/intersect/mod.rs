@@ -91,6 +91,23 @@ fn chart(scene: &CompiledScene, functions: [u32; 3]) -> impl Fn(DVec2) -> DVec3 
 pub fn intersect_shape(scene: &CompiledScene, prim: &Prim, ray: &LocalRay, sink: &mut impl HitSink) {
     let ix = prim.shape_ix as usize;
     let s = &scene.geometry.shapes;
+    match prim.kind {
+        PrimKind::Sphere => simple::intersect_sphere(&s.spheres[ix], ray, sink),
+        PrimKind::Box => simple::intersect_box(&s.boxes[ix], ray, sink),
+        PrimKind::Plane => simple::intersect_plane(&s.planes[ix], ray, sink),
+        PrimKind::Cylinder => quadrics::intersect_cylinder(&s.cylinders[ix], ray, sink),
+        PrimKind::Cone => quadrics::intersect_cone(&s.cones[ix], ray, sink),
+        PrimKind::Triangle => triangle::intersect_triangle(&s.triangles[ix], ray, sink),
+        PrimKind::Mesh => mesh::intersect_mesh(&s.meshes[ix], ray, sink),
+        _ => intersect_rarer(scene, prim, ray, sink),
+    }
+}
+
+/// The shapes whose tests cost more than a call. Inlined they would give all tests their stack frame, of over 4 kB.
+#[inline(never)]
+fn intersect_rarer(scene: &CompiledScene, prim: &Prim, ray: &LocalRay, sink: &mut impl HitSink) {
+    let ix = prim.shape_ix as usize;
+    let s = &scene.geometry.shapes;
     let all = || prim.flags & prim_flags::CSG_CHILD != 0;
     match prim.kind {
         PrimKind::Sphere => simple::intersect_sphere(&s.spheres[ix], ray, sink),

@@ -48,6 +48,14 @@ pub fn inside_sphere(s: &SphereShape, p: DVec3, inverted: bool) -> bool {
 /// Slabs; faces are numbered -x +x -y +y -z +z. Where two slabs meet, the one that the ray is steeper to wins.
 #[inline]
 pub fn intersect_box(b: &BoxShape, ray: &LocalRay, sink: &mut impl HitSink) {
+    let (low, high) = ((b.min - ray.origin) / ray.dir, (b.max - ray.origin) / ray.dir);
+    if ray.dir.abs().min_element() >= EPSILON {
+        // Most misses need no sides: the tolerances below move each end by one of them at most.
+        let (enter, leave) = (low.min(high).max_element().max(0.0), low.max(high).min_element());
+        if enter > leave + 3.0 * TOLERANCE {
+            return;
+        }
+    }
     let (mut near, mut far) = (0.0f64, f64::MAX);
     let (mut near_side, mut far_side) = (u32::MAX, u32::MAX);
     for axis in 0..3 {
@@ -58,7 +66,7 @@ pub fn intersect_box(b: &BoxShape, ray: &LocalRay, sink: &mut impl HitSink) {
             }
             continue;
         }
-        let (t_low, t_high) = ((b.min[axis] - o) / d, (b.max[axis] - o) / d);
+        let (t_low, t_high) = (low[axis], high[axis]);
         let low_side = 2 * axis as u32;
         let (t0, s0, t1, s1) = if d > 0.0 { (t_low, low_side, t_high, low_side + 1) } else { (t_high, low_side + 1, t_low, low_side) };
         // Of two entries closer than the tolerance, a steeper axis replaces the earlier one.

@@ -4,6 +4,7 @@
 //! Source: Bentley 1975; Jensen 2001, "Realistic Image Synthesis Using Photon Mapping", for what is kept of a photon.
 
 use crate::math::{DVec3, Rgb, Vec3};
+use std::sync::LazyLock;
 
 /// A photon as POV-Ray keeps it: place in single precision, colour in 8 bits a channel under one exponent, direction in 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -44,12 +45,14 @@ impl Photon {
     /// Unit direction that it came from.
     #[inline]
     pub fn from(&self) -> DVec3 {
-        let [about, up] = self.from.map(|v| f64::from(v) * std::f64::consts::PI / 127.0);
-        let (sin, cos) = about.sin_cos();
-        let (y, level) = up.sin_cos();
+        let [(sin, cos), (y, level)] = self.from.map(|v| ANGLES[usize::from(v as u8)]);
         DVec3::new(level * cos, y, level * sin)
     }
 }
+
+/// Sine and cosine of the angles that a photon's direction may have, by the byte.
+static ANGLES: LazyLock<[(f64, f64); 256]> =
+    LazyLock::new(|| std::array::from_fn(|k| (f64::from(k as u8 as i8) * std::f64::consts::PI / 127.0).sin_cos()));
 
 /// Mantissas are cut off, not rounded: light is lost that POV-Ray loses too.
 fn pack_power(c: Rgb) -> [u8; 4] {
@@ -137,6 +140,7 @@ impl PhotonMap {
                 found.offer(p, flat, &self.photons[k as usize], k);
             }
         }
+        found.keep_nearest();
     }
 }
 
@@ -171,19 +175,25 @@ fn split(photons: &mut [Photon]) {
     }
 }
 
-/// The photons nearest to a point: a heap with the farthest on top once it is full.
+/// The photons nearest to a point.
+///
+/// More than are wanted are kept for a while: each time the list is full the farthest are thrown out together, which takes a few steps a photon,
+/// where a heap takes as many as it has levels.
 #[derive(Clone, Debug, Default)]
 pub struct NearestPhotons {
     /// Squared distance, place in the map.
     items: Vec<(f64, u32)>,
     most: usize,
+    /// Items that the list holds before the farthest go.
+    room: usize,
     limit_sq: f64,
 }
 
 impl NearestPhotons {
     /// Room for `most`, at least one.
     pub fn new(most: u32) -> Self {
-        Self { items: Vec::new(), most: most.max(1) as usize, limit_sq: 0.0 }
+        let most = most.max(1) as usize;
+        Self { items: Vec::new(), most, room: most.saturating_add(most.max(32)), limit_sq: 0.0 }
     }
 
     fn start(&mut self, limit_sq: f64) {
@@ -219,35 +229,22 @@ impl NearestPhotons {
                 return;
             }
         }
-        if self.items.len() < self.most {
-            self.items.push((d, place));
-            if self.items.len() == self.most {
-                (0..self.most / 2).rev().for_each(|k| self.sink(k));
-                self.limit_sq = self.items[0].0;
-            }
-            return;
+        self.items.push((d, place));
+        if self.items.len() == self.most || self.items.len() >= self.room {
+            self.keep_nearest();
         }
-        self.items[0] = (d, place);
-        self.sink(0);
-        self.limit_sq = self.items[0].0;
     }
 
-    /// Moves item `k` down until none below it is farther.
-    fn sink(&mut self, mut k: usize) {
-        let n = self.items.len();
-        loop {
-            let mut farthest = k;
-            for child in [2 * k + 1, 2 * k + 2] {
-                if child < n && self.items[child].0 > self.items[farthest].0 {
-                    farthest = child;
-                }
-            }
-            if farthest == k {
-                return;
-            }
-            self.items.swap(k, farthest);
-            k = farthest;
+    /// Throws out all but the nearest that are wanted, if there are as many; what comes then must be nearer than those.
+    #[inline(never)]
+    fn keep_nearest(&mut self) {
+        if self.items.len() < self.most {
+            return;
         }
+        // Bits of numbers that are not negative are in order.
+        let (_, farthest, _) = self.items.select_nth_unstable_by_key(self.most - 1, |i| i.0.to_bits());
+        self.limit_sq = farthest.0;
+        self.items.truncate(self.most);
     }
 }
 
