@@ -29,7 +29,7 @@ pub(super) fn find(scene: &CompiledScene) -> FeatureSet {
         f.highlights |= t.phong != 0.0 || t.specular != 0.0;
         f.irid |= t.irid[0] != 0.0;
         f.crand |= t.crand != 0.0;
-        f.subsurface |= t.subsurface.is_some() && scene.settings.subsurface.is_some();
+        f.subsurface |= t.subsurface.is_some() && scene.settings.subsurface.is_some() && scene.options.quality >= 9;
     }
     texture_features(&scene.textures, &mut f);
     f.principled = !scene.textures.principled.is_empty();

@@ -105,6 +105,8 @@ struct Inherited {
     /// `prim_flags` that are on.
     flags: u32,
     group_ix: u32,
+    /// Share of radiosity's rays that look at it, where it is said.
+    importance: Option<f64>,
     /// Photons are shot at this very object as a whole; their spacing.
     aimed_at: Option<f64>,
     depth: usize,
@@ -134,6 +136,7 @@ pub(super) struct Flattener {
     /// Lights met inside an object that is being compiled.
     pending_lights: Vec<(Light, Inherited)>,
     default_texture: Arc<Texture>,
+    /// What POV-Ray counts to decide whether it looks at boxes.
     n_top_level: usize,
     accel: AccelKind,
     memory: MemoryLimit,
@@ -141,8 +144,24 @@ pub(super) struct Flattener {
     charged: usize,
 }
 
+/// Objects at the top of a scene as POV-Ray counts them: parts of unions that are taken apart one by one, and lamps too (measured).
+pub(super) fn n_top_level(scene: &scene::Scene) -> usize {
+    fn parts(object: &Object) -> usize {
+        let plain = object.clipped_by.is_empty() && !object.flags.inverse;
+        match &object.shape {
+            Shape::Csg { op: Csg::Union, children } if plain && object.bounded_by.is_empty() && object.flags.split_union != Some(false) => {
+                children.iter().map(parts).sum()
+            }
+            Shape::Group { child } if plain => parts(child),
+            Shape::LightGroup { children, lights, .. } if plain => lights.len() + children.iter().map(parts).sum::<usize>(),
+            _ => 1,
+        }
+    }
+    scene.lights.len() + scene.objects.iter().map(parts).sum::<usize>()
+}
+
 impl Flattener {
-    /// Nothing yet; `n_top_level` objects will follow.
+    /// Nothing yet; `n_top_level` objects will follow, as [`n_top_level`] counts them.
     pub fn new(textures: TextureBuilder, n_top_level: usize, options: &CompileOptions) -> Self {
         Self {
             geometry: Geometry::default(),
@@ -324,6 +343,7 @@ impl Flattener {
         i.flags |= if object.traits.motion.len() > 1 { prim_flags::MOVING } else { 0 };
         i.enter_photons(&object.photons);
         i.hollow = f.hollow.or(i.hollow);
+        i.importance = object.importance.or(i.importance);
         if role == Role::Visible
             && let Some(interior) = &object.interior
         {
@@ -411,8 +431,11 @@ impl Flattener {
                 if leaf.is_empty() { b } else { b.union(leaf) }
             });
         }
-        if root.is_some_and(|r| !matches!(self.nodes[r].kind, NodeKind::Leaf(_))) {
-            record.cull_box = self.cull_box(object, &entered, &record.bounds);
+        if let Some(root) = root {
+            record.cull_box = match self.nodes[root].kind {
+                NodeKind::Leaf(_) => self.nodes[root].cull_box,
+                _ => self.cull_box(object, &entered, &record.bounds),
+            };
         }
         if let Some(b) = record.cull_box {
             self.flag_bounded(record.prims.clone(), |_, leaf| leaf.min.cmpge(b.min).all() && leaf.max.cmple(b.max).all());
@@ -611,26 +634,48 @@ impl Flattener {
     }
 
     /// `bounded_by`: a ray that misses the bounds' box misses the object. POV-Ray takes bounds off simple finite objects, but for the box
-    /// that is already cut, which counts where there are three objects or more.
+    /// that is already cut, which counts where there are three objects or more, and not for shapes that work their box out anew (measured:
+    /// every shape).
     fn apply_bounds(&mut self, object: &Object, space: &Inherited, node: &mut Node) -> Result<(), CompileError> {
         let composite = matches!(object.shape, Shape::Csg { .. } | Shape::Poly { .. } | Shape::Text { .. });
         node.keeps_bounds = composite || node.surface_bounds.is_unbounded() || self.n_top_level == usize::MAX;
-        if !node.keeps_bounds && self.n_top_level < 3 {
+        let anew = matches!(
+            object.shape,
+            Shape::Blob { .. }
+                | Shape::Mesh(_)
+                | Shape::Triangle { .. }
+                | Shape::HeightField { .. }
+                | Shape::Polygon { .. }
+                | Shape::JuliaFractal { .. }
+                | Shape::BicubicPatch { .. }
+        );
+        if !node.keeps_bounds && (self.n_top_level < 3 || anew) {
             return Ok(());
         }
+        let mut holds = Bounds::UNBOUNDED;
         for b in &object.bounded_by {
             let below = self.enter(b, space, Role::Hidden);
             if let Some(b) = self.node(b, &below, false, true)? {
-                node.surface_bounds = node.surface_bounds.intersection(self.nodes[b].bounds);
+                holds = holds.intersection(self.nodes[b].bounds);
             }
+        }
+        if matches!(node.kind, NodeKind::Leaf(_)) && !node.surface_bounds.is_unbounded() {
+            node.cull_box = Some(holds);
+        } else {
+            node.surface_bounds = node.surface_bounds.intersection(holds);
         }
         Ok(())
     }
 
     /// A node over children: `all` for intersections, else a union whose inner surfaces go when `merge`.
-    fn join(&self, list: Vec<usize>, all: bool, merge: bool) -> Option<Node> {
+    fn join(&mut self, list: Vec<usize>, all: bool, merge: bool) -> Option<Node> {
         if list.is_empty() {
             return None;
+        }
+        for c in &list {
+            if let Some(b) = self.nodes[*c].cull_box.take() {
+                self.nodes[*c].surface_bounds = self.nodes[*c].surface_bounds.intersection(b);
+            }
         }
         let fold = |start: Bounds, f: fn(Bounds, Bounds) -> Bounds, of: fn(&Node) -> Bounds| {
             list.iter().fold(start, |b, c| f(b, of(&self.nodes[*c])))
@@ -653,6 +698,7 @@ impl Flattener {
             bounds,
             cobounds,
             surface_bounds,
+            cull_box: None,
             prims: 0..0,
             solid,
             is_difference: false,
@@ -696,6 +742,10 @@ impl Flattener {
             i.hollow = inside.hollow == Some(true);
         }
         let prim_ix = self.geometry.prims.len() as u32;
+        if let Some(importance) = inside.importance {
+            self.geometry.importances.resize(prim_ix as usize, f64::NAN);
+            self.geometry.importances.push(importance);
+        }
         self.geometry.prims.push(Prim {
             kind: leaf.kind,
             shape_ix: leaf.shape_ix,
@@ -718,6 +768,7 @@ impl Flattener {
             bounds,
             cobounds,
             surface_bounds,
+            cull_box: None,
             prims: 0..0,
             solid: leaf.solid,
             is_difference: false,
@@ -886,6 +937,7 @@ impl Inherited {
             hollow: None,
             flags: 0,
             group_ix: NONE,
+            importance: None,
             aimed_at: None,
             depth: 0,
         }

@@ -251,6 +251,8 @@ pub struct Geometry {
     pub surfaces: Vec<Surface>,
     /// Steps of clip and inside programs.
     pub clip_steps: Vec<InsideStep>,
+    /// By primitive: share of radiosity's rays that look at it; NaN, or missing at the end, where nothing is said.
+    pub importances: Vec<f64>,
     /// Hidden objects of `bounded_by`, into [`Geometry::objects`].
     pub bounding_objects: Vec<u32>,
     /// Parts of objects with `cutaway_textures`: where it shows, and its cover.

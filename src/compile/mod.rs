@@ -274,7 +274,7 @@ pub fn compile_pigment(
 
 /// Compiles a scene. What cannot be rendered yet is left out with a note in `sink`, once a kind.
 pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
-    let mut flattener = Flattener::new(TextureBuilder::new(&scene.settings), scene.objects.len(), options);
+    let mut flattener = Flattener::new(TextureBuilder::new(&scene.settings), flatten::n_top_level(scene), options);
     for light in &scene.lights {
         flattener.add_light(light)?;
     }
@@ -292,12 +292,6 @@ pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -
         compiled.settings.adc_bailout = 0.0;
     }
     // Each has its line in UNSUPPORTED.md.
-    let left_out = [("subsurface", compiled.features.subsurface, "subsurface light is not traced: such finishes look like plain ones")];
-    for (key, used, message) in left_out {
-        if used {
-            sink.note_once(key, None, message);
-        }
-    }
     for p in &compiled.textures.patterns {
         if let Some(name) = texture::unfinished(&p.code) {
             sink.note_once(name, None, format!("the pattern '{name}' is not done; it is 0 everywhere"));

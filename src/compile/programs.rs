@@ -31,6 +31,8 @@ pub(super) struct Node {
     pub surface_bounds: Bounds,
     /// Primitives below, those of clip objects included.
     pub prims: Range<u32>,
+    /// A ray that misses this box misses a leaf that is an object by itself; of one in a CSG the surface beyond is left out.
+    pub cull_box: Option<Bounds>,
     /// Some of it has an inside.
     pub solid: bool,
     /// Its `bounded_by` must be asked exactly, not by its box alone.

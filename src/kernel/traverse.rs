@@ -44,6 +44,13 @@ pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_
     nearest.finish()
 }
 
+/// Nearest hit of a ray that runs below a surface that light scatters under: hits near its start count, whatever the shape.
+pub fn intersect_below(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
+    let mut nearest = Nearest { tie: TIE, below_surface: true, ..Nearest::new(scene, ray, t_min, t_max) };
+    for_candidates(&scene.geometry, &mut nearest, 0);
+    nearest.finish()
+}
+
 /// Nearest hit with moving objects where they are at `time` (0..=1 over the shutter; [`REST`]: as they stand). Of surfaces that lie on each other
 /// the one stands that is nearer by rounding, at equal depth the one that was declared first.
 pub fn intersect_at(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, skip_flags: u32) -> Option<SurfaceHit> {
@@ -298,6 +305,7 @@ pub(super) struct Nearest<'a> {
     bounds_asked: (u32, bool),
     /// Share of the depth below which depths of two objects are one, and POV-Ray's order decides; 0: the depth alone decides.
     tie: f64,
+    below_surface: bool,
     // The primitive under test.
     prim: u32,
     clip: InsideProgram,
@@ -320,6 +328,7 @@ impl<'a> Nearest<'a> {
             moved: None,
             bounds_asked: (u32::MAX, true),
             tie: 0.0,
+            below_surface: false,
             prim: u32::MAX,
             clip: InsideProgram::default(),
             per_world: 1.0,
@@ -483,6 +492,10 @@ impl HitSink for Nearest<'_> {
     fn far(&self) -> f64 {
         // Nothing is wanted any more: the shape may end its search.
         if self.stop_at_first && self.found() { f64::NEG_INFINITY } else { self.limit() * self.per_world }
+    }
+
+    fn is_below_surface(&self) -> bool {
+        self.below_surface
     }
 
     fn time(&self) -> f64 {

@@ -154,23 +154,13 @@ impl Tracer<'_> {
         if is_shadow && media.iter().all(|m| is_dark(extinction(&table[m as usize].params))) {
             return Gathered::default();
         }
-        // Of equal ones the first; max_by would give the last.
-        let rule_ix = media.iter().fold(media.get(0), |best, m| {
-            if table[m as usize].params.intervals > table[best as usize].params.intervals { m } else { best }
-        });
-        let rule = &table[rule_ix as usize].params;
-        let has_density = !table[rule_ix as usize].densities.is_empty();
         let mut s = self.media_scratch[usize::from(is_shadow)].take().unwrap_or_default();
         s.lights.clear();
         if !is_shadow {
             self.lit_pieces(ray, depth, hit, &mut s.lights);
         }
-        s.starts.clear();
-        s.starts.extend(s.lights.iter().map(|l| l.start));
-        s.ends.clear();
-        s.ends.extend(s.lights.iter().map(|l| l.end));
-        sample_intervals(rule, has_density, depth, &mut s.starts, &mut s.ends, &mut s.pieces, &mut s.intervals);
-        add_missing_end(depth, &mut s.intervals);
+        let rule_ix = self.cut_up(depth, media, &mut s);
+        let rule = &table[rule_ix as usize].params;
         let constant = media.iter().all(|m| self.plan.constant_media[m as usize]);
         let call = MediaRay {
             ray,
@@ -202,6 +192,34 @@ impl Tracer<'_> {
         }
         self.media_scratch[usize::from(is_shadow)] = Some(s);
         total
+    }
+
+    /// The intervals in which media are looked at on `0..depth` of a ray that ends at a hit.
+    pub(super) fn media_intervals(&mut self, ray: &Ray, depth: f64, media: &MediaList, hit: &SurfaceHit) -> Vec<SampleInterval> {
+        let mut s = self.media_scratch[0].take().unwrap_or_default();
+        s.lights.clear();
+        self.lit_pieces(ray, depth, Some(hit), &mut s.lights);
+        self.cut_up(depth, media, &mut s);
+        let intervals = s.intervals.clone();
+        self.media_scratch[0] = Some(s);
+        intervals
+    }
+
+    /// Cuts `0..depth` into intervals by the lights' pieces. Gives the medium whose settings count.
+    fn cut_up(&self, depth: f64, media: &MediaList, s: &mut MediaScratch) -> u32 {
+        let table = &self.scene.media;
+        // Of equal ones the first; max_by would give the last.
+        let rule_ix = media.iter().fold(media.get(0), |best, m| {
+            if table[m as usize].params.intervals > table[best as usize].params.intervals { m } else { best }
+        });
+        let rule = &table[rule_ix as usize];
+        s.starts.clear();
+        s.starts.extend(s.lights.iter().map(|l| l.start));
+        s.ends.clear();
+        s.ends.extend(s.lights.iter().map(|l| l.end));
+        sample_intervals(&rule.params, !rule.densities.is_empty(), depth, &mut s.starts, &mut s.ends, &mut s.pieces, &mut s.intervals);
+        add_missing_end(depth, &mut s.intervals);
+        rule_ix
     }
 
     /// The pieces of a ray that lights reach which light media.

@@ -21,6 +21,7 @@ mod shade;
 mod shadow;
 mod shafts;
 mod sky;
+mod subsurface;
 mod texturing;
 mod trace;
 

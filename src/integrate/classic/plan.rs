@@ -4,6 +4,7 @@ use super::area_packet::area_orders;
 use super::emitters::{EmitterPoint, emitter_points};
 use super::photons::PhotonMaps;
 use super::ray::InteriorList;
+use super::subsurface::{AlbedoTable, albedo_tables};
 use crate::compile::texture::{PatternCode, PigmentCode, WarpNode};
 use crate::compile::{CompiledScene, NONE};
 use crate::kernel::camera::CameraModel;
@@ -68,6 +69,10 @@ pub struct ScenePlan {
     pub media_densities: Vec<Vec<u32>>,
     /// By medium: its stop thresholds.
     pub media_thresholds: Vec<Vec<f64>>,
+    /// Shadow rays draw random numbers.
+    pub shadows_draw: bool,
+    /// Tables for subsurface light, and by interior the place of its own.
+    pub(super) albedos: (Vec<AlbedoTable>, Vec<u32>),
     /// Photons at rest, once they have been shot.
     pub photons: Option<Box<PhotonMaps>>,
 }
@@ -99,6 +104,8 @@ impl ScenePlan {
             constant_media: scene.media.iter().map(|m| m.densities.is_empty()).collect(),
             media_densities: scene.media.iter().map(|m| quick_first(scene, &m.densities)).collect(),
             media_thresholds: scene.media.iter().map(|m| stop_thresholds(&m.params)).collect(),
+            shadows_draw: has_jitter(scene) || !scene.media.is_empty(),
+            albedos: albedo_tables(scene),
             photons: None,
         }
     }
@@ -106,12 +113,16 @@ impl ScenePlan {
     /// Whether the picture depends on the order of rays: then blocks are rendered one after another, with streams that run on,
     /// which is also how POV-Ray does it with one thread.
     pub fn needs_ordered_rays(scene: &CompiledScene) -> bool {
-        let jittered_light = scene.lights.iter().any(|l| l.light.area.as_ref().is_some_and(|a| a.jitter));
         let jittered_bow = scene.rainbows.iter().any(|r| r.jitter != 0.0);
         let random_media = scene.media.iter().any(|m| m.params.method != 3 || m.params.jitter != 0.0);
         let f = &scene.features;
-        scene.options.quality >= 5 && jittered_light || jittered_bow || random_media || f.crand || f.radiosity || f.subsurface
+        scene.options.quality >= 5 && has_jitter(scene) || jittered_bow || random_media || f.crand || f.radiosity || f.subsurface
     }
+}
+
+/// Whether any area light is jittered.
+fn has_jitter(scene: &CompiledScene) -> bool {
+    scene.lights.iter().any(|l| l.light.area.as_ref().is_some_and(|a| a.jitter))
 }
 
 /// Pigments by what they cost: a few operations, a formula, noise.

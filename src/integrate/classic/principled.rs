@@ -108,7 +108,7 @@ impl Tracer<'_> {
         if clear > 0.0 {
             // Light passes two surfaces of a body: each takes half of the tint.
             let factor = m.base.max(Vec3::ZERO).map(f32::sqrt) * (Vec3::ONE - mirror) * clear;
-            match self.through(ctx, n.shading, weight * f64::from(factor.max_element())) {
+            match self.through(ctx, (n.shading, crate::compile::NONE), weight * f64::from(factor.max_element())) {
                 Through::Transmitted(seen) => rgb += factor * seen.rgb,
                 Through::TotallyReflected(seen) => {
                     turned_back = true;

@@ -2,9 +2,12 @@
 //! verified there to the pixel for one thread; the order of rays is the order here.
 
 use super::radiosity_cache::{Query, RadiosityCache, RadiositySample};
-use super::ray::TraceRay;
+use super::ray::{Seen, TraceRay};
 use super::shade::HitContext;
+use super::subsurface::SubsurfaceState;
 use super::trace::Tracer;
+use crate::compile::geometry::prim_flags;
+use crate::kernel::traverse::{MIN_DEPTH, intersect};
 use crate::math::color::grey;
 use crate::math::random::{GrainStream, SplitMix64, UniformStream, halton};
 use crate::math::{DVec3, Ray, Rgb, Vec3};
@@ -30,7 +33,7 @@ pub struct RadiosityState {
     quality: f32,
     directions: Arc<[DVec3]>,
     /// Streams of the gather rays' tracer.
-    streams: (UniformStream, UniformStream, GrainStream),
+    streams: (UniformStream, UniformStream, GrainStream, SubsurfaceState),
     /// Lookups of camera rays since the last [`Tracer::take_lookups`], and the sum of 4S.
     lookups: (u32, f64),
 }
@@ -71,7 +74,12 @@ impl RadiosityState {
             positions: std::array::from_fn(|_| seeds.below(self.directions.len()) as u32),
             quality: 1.0,
             directions: Arc::clone(&self.directions),
-            streams: (UniformStream::seeded(seeds), UniformStream::seeded(seeds), GrainStream::seeded(seeds)),
+            streams: (
+                UniformStream::seeded(seeds),
+                UniformStream::seeded(seeds),
+                GrainStream::seeded(seeds),
+                SubsurfaceState::seeded(seeds),
+            ),
             lookups: (0, 0.0),
         }
     }
@@ -83,6 +91,11 @@ impl RadiosityState {
         for sample in block.cache.into_samples() {
             before.insert(sample, filing_radius(&self.settings, &sample));
         }
+    }
+
+    /// Whether gather rays see light from below surfaces.
+    pub(super) fn sees_subsurface(&self) -> bool {
+        self.settings.subsurface
     }
 
     fn needed(&self, bounce: u32) -> f64 {
@@ -209,17 +222,21 @@ impl Tracer<'_> {
                 gathers: true,
                 wavelength: ctx.ray.wavelength,
             };
-            let seen = self.trace(&ray, weight, false);
+            n += 1;
+            let kept = self.share_kept(&ray, n - 1, n_rays);
+            let (share, seen) = match kept {
+                Ok(share) => (share, self.trace(&ray, weight, false)),
+                Err(depth) => (0.0, Seen { depth, ..Seen::BLACK }),
+            };
             let brightest = seen.rgb.max_element();
             let color = if max_sample > 0.0 && brightest > max_sample { seen.rgb * (max_sample / brightest) } else { seen.rgb };
-            let q = self.radiosity.as_ref().map_or(1.0, |s| s.quality);
+            let q = share * self.radiosity.as_ref().map_or(1.0, |s| s.quality);
             sum += q * color;
             sum_quality += q;
             inverse_distances += 1.0 / seen.depth;
             if seen.depth < nearest {
                 (nearest, to_nearest) = (seen.depth, dir);
             }
-            n += 1;
         }
         if k == 0 {
             self.swap_streams();
@@ -241,11 +258,29 @@ impl Tracer<'_> {
         (value, quality)
     }
 
+    /// How much ray number `k` of `n` counts, or the depth at which it meets what is not important enough for it.
+    fn share_kept(&self, ray: &TraceRay, k: u32, n: u32) -> Result<f32, f64> {
+        let usual = self.radiosity.as_ref().map_or(1.0, |s| s.settings.importance);
+        let importances = &self.scene.geometry.importances;
+        if usual == 1.0 && importances.is_empty() {
+            return Ok(1.0);
+        }
+        let skip = prim_flags::NO_RADIOSITY | if ray.reflected { prim_flags::NO_REFLECTION } else { prim_flags::NO_IMAGE };
+        let hit = intersect(self.scene, &ray.ray, MIN_DEPTH, ray.max_depth, skip);
+        let own = hit.as_ref().and_then(|h| importances.get(h.prim_ix as usize)).filter(|i| !i.is_nan());
+        let (importance, most) = (*own.unwrap_or(&usual), f64::from(n - 1));
+        if importance < f64::from(k) / most {
+            return Err(hit.map_or(f64::INFINITY, |h| h.t));
+        }
+        Ok((f64::from(n) / ((importance * most).floor() + 1.0)) as f32)
+    }
+
     fn swap_streams(&mut self) {
         if let Some(s) = self.radiosity.as_mut() {
             std::mem::swap(&mut s.streams.0, &mut self.random);
             std::mem::swap(&mut s.streams.1, &mut self.media_random);
             std::mem::swap(&mut s.streams.2, &mut self.grain);
+            std::mem::swap(&mut s.streams.3, &mut self.subsurface);
         }
     }
 

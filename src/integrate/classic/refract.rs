@@ -48,6 +48,16 @@ pub(super) struct Band {
 }
 
 impl Passage {
+    /// Where a ray runs beyond.
+    pub fn beyond(&self) -> &InteriorList {
+        &self.interiors
+    }
+
+    /// The direction beyond a surface of this normal for light of all colours; `None` where it is totally reflected.
+    pub fn bend(&self, dir: DVec3, normal: DVec3) -> Option<DVec3> {
+        if (self.n - 1.0).abs() < EPSILON { Some(dir) } else { refract(dir, normal, self.n) }
+    }
+
     fn disperses(&self) -> bool {
         (self.dispersion - 1.0).abs() >= EPSILON
     }
@@ -160,26 +170,36 @@ impl Tracer<'_> {
         Passage { interiors: next, n, dispersion, bands: bands.max(2) }
     }
 
-    /// Traces what lies behind a surface whose top layer has normal `top`.
-    pub(super) fn through(&mut self, ctx: &HitContext, top: DVec3, weight: f64) -> Through {
+    /// Traces what lies behind a surface whose top layer has this normal and this finish.
+    pub(super) fn through(&mut self, ctx: &HitContext, (top, finish): (DVec3, u32), weight: f64) -> Through {
         let p = self.passage(&ctx.ray.interiors, ctx.prim.interior_ix);
         match p.onward(ctx.ray.wavelength) {
             Onward::Straight => Through::Transmitted(self.trace(&straight(ctx, &p), weight, true)),
             Onward::Bent(n) => match bent(ctx, &p, top, n, ctx.ray.wavelength) {
                 Bent::Through(ray) => Through::Transmitted(self.trace(&ray, weight, false)),
-                Bent::Back(ray) => Through::TotallyReflected(self.trace(&ray, weight, false)),
+                Bent::Back(ray) => Through::TotallyReflected(self.turned_back(ctx, (top, finish), &ray, weight)),
             },
             Onward::Split => {
                 let (mut sum, mut transmit) = (Vec3::ZERO, 0.0);
                 for band in p.bands() {
-                    let (Bent::Through(ray) | Bent::Back(ray)) = bent(ctx, &p, top, band.n, band.wavelength);
-                    let seen = self.trace(&ray, weight, false);
+                    let seen = match bent(ctx, &p, top, band.n, band.wavelength) {
+                        Bent::Through(ray) => self.trace(&ray, weight, false),
+                        Bent::Back(ray) => self.turned_back(ctx, (top, finish), &ray, weight),
+                    };
                     sum += seen.rgb * band.hue;
                     transmit += seen.transmit / p.bands as f32;
                 }
                 Through::Transmitted(Seen { rgb: sum, transmit, depth: f64::INFINITY })
             }
         }
+    }
+}
+
+impl Tracer<'_> {
+    /// Traces a totally reflected ray, which the film of the top layer tints as it does a mirror's (measured).
+    fn turned_back(&mut self, ctx: &HitContext, (top, finish): (DVec3, u32), ray: &TraceRay, weight: f64) -> Seen {
+        let seen = self.trace(ray, weight, false);
+        Seen { rgb: seen.rgb * self.film(ctx, finish, top, ray.ray.dir), ..seen }
     }
 }
 

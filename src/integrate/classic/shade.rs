@@ -52,6 +52,8 @@ pub(super) struct Layered {
     /// Some layer had a colour.
     colored: bool,
     pub top_normal: DVec3,
+    /// Of the top layer.
+    pub top_finish: u32,
     pub mirrors: InlineVec<Mirror, 2>,
 }
 
@@ -133,13 +135,26 @@ impl Tracer<'_> {
         let (mut indirect, mut photons_gathered) = ([None; 2], None);
         let sees_photons = self.sees_photons(ctx);
         self.over_layers(ctx, layers, p, space, weight, &mut |tracer, layer, factor| {
-            let mut own = tracer.own_light(ctx, layer);
+            let mut own = Vec3::ZERO;
+            let below = tracer.is_lit_from_below(layer);
+            let plain = below.then(|| Finish { diffuse: 0.0, diffuse_back: 0.0, ..layer.finish.clone() });
+            if below {
+                own += tracer.subsurface_on_layer(ctx, layer, weight);
+            }
+            let layer = &LitLayer { finish: plain.as_ref().unwrap_or(layer.finish), ..*layer };
+            if below && tracer.plan.shadows_draw && layer.finish.phong == 0.0 && layer.finish.specular == 0.0 {
+                // POV-Ray asks the lamps although nothing of theirs is left, and what it draws for them shows elsewhere.
+                tracer.lamps_on_layer(ctx, layer);
+            }
+            own += tracer.own_light(ctx, layer);
             if sees_photons {
                 own += tracer.photons_on_layer(ctx, layer, &mut photons_gathered);
             }
             if tracer.radiosity_acts() {
                 let weight = weight * f64::from(grey(factor * layer.color));
-                own += tracer.indirect_on_layer(ctx, layer, &mut indirect, weight);
+                if !(below && tracer.scene.settings.subsurface.is_some_and(|(.., indirect)| indirect)) {
+                    own += tracer.indirect_on_layer(ctx, layer, &mut indirect, weight);
+                }
             }
             own
         })
@@ -163,6 +178,7 @@ impl Tracer<'_> {
             trans: 1.0,
             colored: false,
             top_normal: ctx.normal,
+            top_finish: crate::compile::NONE,
             mirrors: InlineVec::default(),
         };
         for (nth, k) in (start..start + len).rev().enumerate() {
@@ -172,7 +188,7 @@ impl Tracer<'_> {
                 normal = cover::perturb(scene, layer.normal, normal, p, space);
             }
             if nth == 0 {
-                out.top_normal = normal;
+                (out.top_normal, out.top_finish) = (normal, layer.finish);
             }
             let at = PatternPoint { normal: space.seen.get(), ..*p };
             let found = cover::layer_color(scene, layer.pigment, &at, quality.quick_colors);
@@ -264,7 +280,7 @@ impl Tracer<'_> {
         if self.plan.quality.refraction && layers.trans > self.adc_bailout {
             let weight = weight * f64::from(layers.factor.abs().max_element());
             let attenuation = self.interior_attenuation(ctx);
-            match self.through(ctx, layers.top_normal, weight) {
+            match self.through(ctx, (layers.top_normal, layers.top_finish), weight) {
                 Through::Transmitted(seen) => {
                     rgb += attenuation * layers.filter() * seen.rgb;
                     transmit = layers.trans as f32 * seen.transmit;
@@ -288,12 +304,14 @@ impl Tracer<'_> {
         let finish = &self.scene.textures.finishes[m.finish as usize];
         let dir = reflect(ctx.ray.ray.dir, m.normal, ctx.normal);
         let seen = self.reflected_ray(ctx, dir, m.weight);
-        let mut color = reflected_power(seen.rgb, finish.reflection.exponent);
-        if finish.irid[0] != 0.0 {
-            let noise = cover::irid_noise(self.scene, finish, ctx.hit.point);
-            color *= thin_film(finish, self.scene.settings.irid_wavelength, ctx.ray.ray.dir, m.normal, dir, noise);
-        }
-        color
+        reflected_power(seen.rgb, finish.reflection.exponent) * self.film(ctx, m.finish, m.normal, dir)
+    }
+
+    /// What the thin film of a finish (or `NONE`) makes of light that leaves along `dir`.
+    pub(super) fn film(&self, ctx: &HitContext, finish: u32, normal: DVec3, dir: DVec3) -> Rgb {
+        let Some(finish) = self.scene.textures.finishes.get(finish as usize).filter(|f| f.irid[0] != 0.0) else { return Vec3::ONE };
+        let noise = cover::irid_noise(self.scene, finish, ctx.hit.point);
+        thin_film(finish, self.scene.settings.irid_wavelength, ctx.ray.ray.dir, normal, dir, noise)
     }
 
     /// Traces a ray that leaves the hit on the side it came from.

@@ -5,6 +5,7 @@ use super::photons::NearestPhotons;
 use super::plan::ScenePlan;
 use super::radiosity::RadiosityState;
 use super::ray::{Seen, TraceRay};
+use super::subsurface::SubsurfaceState;
 use crate::accel::{Candidates, Packet};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
@@ -48,6 +49,7 @@ pub struct Tracer<'a> {
     pub(super) near_photons: NearestPhotons,
     /// Photons take the place of light that comes straight through their targets.
     pub(super) photons_replace: bool,
+    pub(super) subsurface: SubsurfaceState,
     /// Present while radiosity is on.
     pub radiosity: Option<RadiosityState>,
     /// Once set, all that follows is black: a single pixel may take hours.
@@ -75,6 +77,7 @@ impl<'a> Tracer<'a> {
             media_scratch: Default::default(),
             near_photons: plan.photons.as_ref().map(|m| m.room()).unwrap_or_default(),
             photons_replace: false,
+            subsurface: SubsurfaceState::default(),
             radiosity: None,
             cancel: None,
         }
@@ -95,6 +98,7 @@ impl<'a> Tracer<'a> {
         self.media_random = UniformStream::seeded(&mut seeds);
         self.grain = GrainStream::seeded(&mut seeds);
         self.radiosity = radiosity.map(|r| r.in_block(&mut seeds));
+        self.subsurface = SubsurfaceState::seeded(&mut seeds);
         self
     }
 

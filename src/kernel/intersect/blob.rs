@@ -76,8 +76,9 @@ fn hits_between(poly: &[f64; 5], from: f64, to: f64, sturm: bool, start: f64, si
     }
     let mut roots = [0.0; 8];
     let mut n = 0;
+    let nearest = if sink.is_below_surface() { 0.0 } else { TOLERANCE };
     for t in solve_polynomial(poly, sturm, ROOT_TOLERANCE).iter() {
-        if (from..=to).contains(t) && start + t > TOLERANCE && start + t < MAX_DISTANCE && n < 8 {
+        if (from..=to).contains(t) && start + t > nearest && start + t < MAX_DISTANCE && n < 8 {
             roots[n] = start + t;
             n += 1;
         }

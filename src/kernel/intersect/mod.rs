@@ -51,6 +51,11 @@ pub trait HitSink {
         None
     }
 
+    /// The ray runs below a surface that light scatters under: shapes offer hits however near its start they are.
+    fn is_below_surface(&self) -> bool {
+        false
+    }
+
     /// When the ray runs, 0..=1 over the shutter; below 0 for shapes at rest.
     fn time(&self) -> f64 {
         -1.0

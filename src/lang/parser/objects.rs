@@ -417,21 +417,23 @@ impl Parser<'_> {
                 }
                 return Ok(());
             }
+            let list = if clip { &mut o.clipped_by } else { &mut o.bounded_by };
+            let before = list.len();
             let mut object = p.need_object()?;
             loop {
                 if object.texture.is_some() || object.interior_texture.is_some() || is_patch(&object.shape) {
                     return Err(p.error("Illegal texture or patch in clip, bound or object pattern."));
                 }
-                if clip {
-                    o.clipped_by.push(object)
-                } else {
-                    o.bounded_by.push(object)
-                }
+                list.push(object);
                 match p.parse_object()? {
                     Some(next) => object = next,
-                    None => return Ok(()),
+                    None => break,
                 }
             }
+            while let Some(t) = p.parse_transform()? {
+                list[before..].iter_mut().for_each(|o| o.apply_transform(&t));
+            }
+            Ok(())
         })
     }
 

@@ -135,7 +135,10 @@ impl Parser<'_> {
                 self.next()?;
                 self.open_block("object")?;
                 // The list of colours follows in the same braces; the caller reads it and closes them.
-                let object = self.need_object()?;
+                let mut object = self.need_object()?;
+                while let Some(t) = self.parse_transform()? {
+                    object.apply_transform(&t);
+                }
                 PatternKind::Object(Arc::new(object))
             }
             Kw::PigmentPattern => {

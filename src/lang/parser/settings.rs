@@ -141,9 +141,9 @@ impl Parser<'_> {
                 match k {
                     Kw::Samples => {
                         p.next()?;
-                        s.0 = p.parse_int()?.clamp(1, 1 << 20) as u32;
+                        s.0 = p.parse_int()?.clamp(0, 1 << 20) as u32;
                         p.comma()?;
-                        s.1 = p.parse_int()?.clamp(1, 1 << 20) as u32;
+                        s.1 = p.parse_int()?.clamp(0, 1 << 20) as u32;
                     }
                     Kw::Radiosity => {
                         p.next()?;

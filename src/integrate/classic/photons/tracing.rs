@@ -82,7 +82,7 @@ impl PhotonTracer<'_, '_> {
         let path = f.path + hit.t;
         let mut power = f.power;
         if self.tracer.plan.has_media {
-            power = self.through_media(f, hit.t);
+            power = self.through_media(f, hit);
         }
         let interior = &scene.interiors[prim.interior_ix as usize];
         if interior.fade_power > 0.0 && f.ray.interiors.position(prim.interior_ix).is_some() {
@@ -102,7 +102,7 @@ impl PhotonTracer<'_, '_> {
 
     /// Leaves traces in the media on the way to the next surface, and gives the power that is left there. On one way all traces are
     /// alike: it weakens between ways (measured).
-    fn through_media(&mut self, f: &Flight, depth: f64) -> Rgb {
+    fn through_media(&mut self, f: &Flight, hit: &SurfaceHit) -> Rgb {
         let t = &mut *self.tracer;
         let list = t.media_of(&f.ray.interiors);
         if list.is_empty() || !f.ray.interiors.is_hollow() {
@@ -117,18 +117,21 @@ impl PhotonTracer<'_, '_> {
             let e = self.emission;
             let path = |at: f64| if e.parallel { 1.0 } else { f.path + at };
             let first = e.spread * path(0.0);
-            let wanted = depth / (first * factor);
-            let n = f64::from(steps).min(wanted).max(0.0) as u32;
-            let each = if wanted > f64::from(steps) { depth / (f64::from(n) * first) } else { factor };
-            for k in 0..n {
-                let place = f64::from(k) + 0.5 + (self.tracer.media_random.draw() - 0.5) * self.settings.jitter;
-                let at = depth * place / f64::from(n);
-                // The piece of the way that a trace stands for grows with the way, like the area (measured).
-                let share = self.share_at(f.path + at) * each * e.spread * path(at);
-                self.out.media.push(Photon::new(f.ray.ray.at(at), f.power * share as f32, -f.ray.ray.dir));
+            // Where the way leaves or enters a light's beam it is cut, as for rays (measured: behind a mirror in a spotlight).
+            for i in self.tracer.media_intervals(&f.ray.ray, hit.t, &list, hit) {
+                let wanted = i.length / (first * factor);
+                let n = f64::from(steps).min(wanted).max(0.0) as u32;
+                let each = if wanted > f64::from(steps) { i.length / (f64::from(n) * first) } else { factor };
+                for k in 0..n {
+                    let place = f64::from(k) + 0.5 + (self.tracer.media_random.draw() - 0.5) * self.settings.jitter;
+                    let at = i.start + i.length * place / f64::from(n);
+                    // The piece of the way that a trace stands for grows with the way, like the area (measured).
+                    let share = self.share_at(f.path + at) * each * e.spread * path(at);
+                    self.out.media.push(Photon::new(f.ray.ray.at(at), f.power * share as f32, -f.ray.ray.dir));
+                }
             }
         }
-        self.tracer.through_media(&f.ray.ray, depth, &f.ray.interiors, f.power)
+        self.tracer.through_media(&f.ray.ray, hit.t, &f.ray.interiors, f.power)
     }
 
     /// What a photon's power is multiplied by where it is kept: the piece of the wave front that it stands for, and fading.

@@ -1,0 +1,8 @@
+// Light of a sky: radiosity's light enters too, and its rays find such bodies dark.
+#version 3.7;
+global_settings { assumed_gamma 1.0 mm_per_unit 10 subsurface { samples 20, 5 radiosity on } radiosity { count 30 pretrace_start 0.08 pretrace_end 0.04 recursion_limit 1 } }
+camera { location <1.6, 2.0, -4.2> look_at <0, 0.1, 0> angle 42 right 4/3*x }
+light_source { <4, 6, -5> rgb 0.4 }
+sky_sphere { pigment { rgb 0.5 } }
+plane { y, -1 pigment { checker rgb <0.85, 0.82, 0.75>, rgb <0.35, 0.4, 0.45> } finish { ambient 0.1 diffuse 0.7 } }
+sphere { 0, 0.8 pigment { rgb <0.9, 0.7, 0.6> } finish { ambient 0.05 subsurface { translucency 0.5 } } interior { ior 1.4 } }
