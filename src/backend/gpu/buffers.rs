@@ -130,8 +130,19 @@ fn box_words(b: &Bounds) -> Vec<u32> {
 }
 
 /// Features that a shader may hold for scenes that do not use them.
-const SPARE: [&str; 10] =
-    ["reflection", "highlights", "irid", "normals", "uv", "solid_mesh", "cutaway", "bounded_by", "programs", "unbounded"];
+const SPARE: [&str; 11] = [
+    "reflection",
+    "highlights",
+    "irid",
+    "normals",
+    "uv",
+    "solid_mesh",
+    "cutaway",
+    "bounded_by",
+    "bounding_objects",
+    "programs",
+    "unbounded",
+];
 
 impl SceneBuffers {
     /// Encodes `scene`, with structures of kind `kind`, for a picture that `plan` was made for.
@@ -247,6 +258,7 @@ impl SceneBuffers {
         let blob_covers = g.shapes.blobs.iter().map(of_blob).max().unwrap_or(0);
         let cutaway = g.objects.iter().map(|o| o.cutaway.len()).max().unwrap_or(0) as u32;
         let solid_mesh = f.prim_kinds & (1 << PrimKind::Mesh as u32) != 0 && g.shapes.meshes.iter().any(|m| m.mesh.inside_vector.is_some());
+        let bounding_objects = !g.bounding_objects.is_empty();
         let areas = || scene.lights.iter().filter_map(|l| l.light.area.as_ref());
         let features = [
             ("transparency", self.transparency),
@@ -272,14 +284,9 @@ impl SceneBuffers {
             ("places", PLACED.iter().any(|k| all || f.prim_kinds & (1 << *k as u32) != 0)),
             ("cutaway", cutaway > 0),
             ("unbounded", !g.unbounded.is_empty()),
-            (
-                "programs",
-                f.clip_programs
-                    || cutaway > 0
-                    || self.textures.shader.features.contains("pattern_object")
-                    || g.prims.iter().any(|p| p.flags & prim_flags::BOUNDED != 0),
-            ),
+            ("programs", f.clip_programs || cutaway > 0 || self.textures.shader.features.contains("pattern_object") || bounding_objects),
             ("bounded_by", g.prims.iter().any(|p| p.flags & prim_flags::BOUNDED != 0)),
+            ("bounding_objects", bounding_objects),
             ("principled", f.principled),
             ("image_words", !self.textures.image_words.is_empty()),
         ];
