@@ -144,20 +144,35 @@ pub(super) struct Flattener {
     charged: usize,
 }
 
-/// Objects at the top of a scene as POV-Ray counts them: parts of unions that are taken apart one by one, and lamps too (measured).
+/// POV-Ray looks at boxes from so many objects at the top on.
+const BOXES_FROM: usize = 3;
+/// Objects looked at to count those at the top; unions may hold each other 2^40 times, with nothing in them.
+const MAX_COUNTED: usize = 10_000;
+
+/// Objects at the top of a scene as POV-Ray counts them, up to [`BOXES_FROM`]: parts of unions that are taken apart one by one, and lamps too
+/// (measured).
 pub(super) fn n_top_level(scene: &scene::Scene) -> usize {
-    fn parts(object: &Object) -> usize {
+    let mut n = scene.lights.len();
+    let mut waiting: Vec<&Object> = scene.objects.iter().collect();
+    for _ in 0..MAX_COUNTED {
+        if n >= BOXES_FROM {
+            break;
+        }
+        let Some(object) = waiting.pop() else { return n };
         let plain = object.clipped_by.is_empty() && !object.flags.inverse;
         match &object.shape {
             Shape::Csg { op: Csg::Union, children } if plain && object.bounded_by.is_empty() && object.flags.split_union != Some(false) => {
-                children.iter().map(parts).sum()
+                waiting.extend(children);
             }
-            Shape::Group { child } if plain => parts(child),
-            Shape::LightGroup { children, lights, .. } if plain => lights.len() + children.iter().map(parts).sum::<usize>(),
-            _ => 1,
+            Shape::Group { child } if plain => waiting.push(child),
+            Shape::LightGroup { children, lights, .. } if plain => {
+                n += lights.len();
+                waiting.extend(children);
+            }
+            _ => n += 1,
         }
     }
-    scene.lights.len() + scene.objects.iter().map(parts).sum::<usize>()
+    BOXES_FROM
 }
 
 impl Flattener {
@@ -625,7 +640,7 @@ impl Flattener {
 
     /// POV-Ray's box of a CSG where it leaves out some of the surface. POV-Ray looks at boxes from three objects on.
     fn cull_box(&self, object: &Object, entered: &Inherited, surface: &Bounds) -> Option<Bounds> {
-        if self.n_top_level < 3 || surface.is_empty() {
+        if self.n_top_level < BOXES_FROM || surface.is_empty() {
             return None;
         }
         let b = padded(pov_extent_in(object, &entered.to_world));
@@ -649,7 +664,7 @@ impl Flattener {
                 | Shape::JuliaFractal { .. }
                 | Shape::BicubicPatch { .. }
         );
-        if !node.keeps_bounds && (self.n_top_level < 3 || anew) {
+        if !node.keeps_bounds && (self.n_top_level < BOXES_FROM || anew) {
             return Ok(());
         }
         let mut holds = Bounds::UNBOUNDED;
