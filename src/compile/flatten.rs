@@ -142,8 +142,12 @@ pub(super) struct Flattener {
     memory: MemoryLimit,
     /// Bytes taken since memory was looked at.
     charged: usize,
+    /// Objects entered, those too that turn out to hold nothing and so take no memory.
+    n_entered: u64,
 }
 
+/// Objects inside objects that a scene may have; what holds something meets the memory limit long before.
+const MAX_ENTERED: u64 = 1 << 26;
 /// POV-Ray looks at boxes from so many objects at the top on.
 const BOXES_FROM: usize = 3;
 /// Objects looked at to count those at the top; unions may hold each other 2^40 times, with nothing in them.
@@ -192,6 +196,7 @@ impl Flattener {
             pending_lights: Vec::new(),
             default_texture: Arc::new(Texture::solid(Rgbft::BLACK)),
             n_top_level,
+            n_entered: 0,
             accel: options.accel,
             memory: options.memory,
             charged: 0,
@@ -206,6 +211,18 @@ impl Flattener {
         }
         let more = std::mem::take(&mut self.charged) + self.geometry.prims.len() * TREE_COST;
         Ok(self.memory.allows(more as u64)?)
+    }
+
+    /// Refuses what is nested too deep, or too often by doubling.
+    fn count_object(&mut self, entered: &Inherited) -> Result<(), CompileError> {
+        if entered.depth > MAX_NESTING {
+            return Err(CompileError::TooDeep { depth: entered.depth, limit: MAX_NESTING });
+        }
+        self.n_entered += 1;
+        if self.n_entered > MAX_ENTERED {
+            return Err(CompileError::TooMany { what: "objects inside objects", count: self.n_entered, limit: MAX_ENTERED });
+        }
+        Ok(())
     }
 
     /// Adds a top-level object of the scene.
@@ -249,9 +266,7 @@ impl Flattener {
 
     fn top_level(&mut self, object: &Object, above: &Inherited, role: Role) -> Result<(), CompileError> {
         let entered = self.enter(object, above, role);
-        if entered.depth > MAX_NESTING {
-            return Err(CompileError::TooDeep { depth: entered.depth, limit: MAX_NESTING });
-        }
+        self.count_object(&entered)?;
         let plain = object.clipped_by.is_empty() && !object.flags.inverse;
         let inside = entered.dissolve(object);
         match &object.shape {
@@ -486,9 +501,7 @@ impl Flattener {
 
     /// Adds the node of `object` and all below it. `None`: nothing there.
     fn node(&mut self, object: &Object, entered: &Inherited, inverted: bool, in_csg: bool) -> Result<Option<usize>, CompileError> {
-        if entered.depth > MAX_NESTING {
-            return Err(CompileError::TooDeep { depth: entered.depth, limit: MAX_NESTING });
-        }
+        self.count_object(&entered)?;
         self.charge(NODE_COST)?;
         let first = self.geometry.prims.len() as u32;
         let inverted = inverted ^ object.flags.inverse;

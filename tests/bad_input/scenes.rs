@@ -95,6 +95,14 @@ fn memory_without_end_is_refused() {
             "",
         ),
         Case(
+            "empty unions doubled",
+            rendered(
+                "#declare A = union { } #for (I, 1, 40) #declare A = union { object { A } object { A translate x } } #end object { A }",
+            ),
+            &[3],
+            "objects inside objects",
+        ),
+        Case(
             "unions doubled",
             rendered(
                 "#declare A = sphere { 0, 1 } #for (I, 1, 40) #declare A = union { object { A } object { A translate x } } #end object { A }",
