@@ -501,7 +501,7 @@ impl Flattener {
 
     /// Adds the node of `object` and all below it. `None`: nothing there.
     fn node(&mut self, object: &Object, entered: &Inherited, inverted: bool, in_csg: bool) -> Result<Option<usize>, CompileError> {
-        self.count_object(&entered)?;
+        self.count_object(entered)?;
         self.charge(NODE_COST)?;
         let first = self.geometry.prims.len() as u32;
         let inverted = inverted ^ object.flags.inverse;
