@@ -17,6 +17,8 @@ pub enum Saving {
     Blockers,
     Interiors,
     Shafts,
+    Cells,
+    Leaving,
     Bailout,
     Antialias,
 }
@@ -50,16 +52,18 @@ const fn row(saving: Saving, name: &'static str, pixels: Pixels, what: &'static 
 }
 
 /// All savings, in the order of [`Saving`].
-pub const SAVINGS: [SavingInfo; 11] = [
+pub const SAVINGS: [SavingInfo; 13] = [
     row(Saving::Shaders, "shaders", Pixels::Rounded, "GPU: code in shaders for what the scene does not use"),
     row(Saving::Attributes, "attributes", Pixels::Same, "GPU: texture coordinates that nothing asks for"),
     row(Saving::Textures, "textures", Pixels::Same, "glTF: decoding pictures that no visible material uses"),
     row(Saving::Trees, "trees", Pixels::Same, "trees over meshes before a ray comes to them"),
     row(Saving::Frames, "frames", Pixels::Same, "animations: trees over meshes that the frame before had too"),
-    row(Saving::Lights, "lights", Pixels::Same, "shadow rays to lights behind the surface"),
+    row(Saving::Lights, "lights", Pixels::Same, "shadow rays to lights behind the surface, and to those that it gives nothing back of"),
     row(Saving::Blockers, "blockers", Pixels::Same, "looking for another blocker where the last one still stands in the way"),
     row(Saving::Interiors, "interiors", Pixels::Same, "asking solids far from a ray's start whether it is inside"),
     row(Saving::Shafts, "shafts", Pixels::Same, "walking the tree for each point of an area light"),
+    row(Saving::Cells, "cells", Pixels::Same, "walking the tree for shadow rays from places whose way to the light was looked up"),
+    row(Saving::Leaving, "leaving", Pixels::Same, "testing a convex or flat surface that a ray has just left"),
     row(Saving::Bailout, "bailout", Pixels::Different, "rays that add less than adc_bailout"),
     row(Saving::Antialias, "antialias", Pixels::Different, "samples of pixels that are smooth already (antialiasing, noise threshold)"),
 ];

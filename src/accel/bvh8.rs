@@ -8,8 +8,8 @@ use super::boxf::{round_down, round_up};
 use super::bvh::MAX_DEPTH;
 use super::stack::Room;
 use super::{AccelStats, BoxF, can_meet, nearest_of};
-use crate::math::Ray;
 use crate::math::simd::{self, Kernel, Simd};
+use crate::math::{Ray, Vec3A};
 
 /// Marks a leaf in [`Bvh8Node::child`].
 pub const BVH8_LEAF: u32 = 1 << 31;
@@ -93,18 +93,19 @@ impl Bvh8Ray {
     /// For a usable ray in a tree whose largest absolute coordinate is `max_abs`.
     #[inline(always)]
     pub fn new(ray: &Ray, max_abs: f32) -> Self {
-        let (o, d) = (ray.origin.as_vec3(), ray.dir);
+        // The three axes side by side.
+        let (o, d) = (ray.origin.as_vec3a(), ray.dir.as_vec3a());
         // Twice the rounding of the origin, and of the sum with it.
-        let slack = f32::EPSILON * (o.abs().max_element() + max_abs);
-        let x = Axis::new(o.x, d.x, slack);
-        let y = Axis::new(o.y, d.y, slack);
-        let z = Axis::new(o.z, d.z, slack);
+        let slack = Vec3A::splat(f32::EPSILON * (o.abs().max_element() + max_abs));
+        let inv = d.recip().max(Vec3A::splat(-STEEPEST)).min(Vec3A::splat(STEEPEST));
+        let toward = slack.copysign(inv);
+        let down = inv.cmplt(Vec3A::ZERO).bitmask() as usize;
         Self {
-            enter: [x.enter, y.enter, z.enter],
-            inv_enter: [x.inv_enter, y.inv_enter, z.inv_enter],
-            exit: [x.exit, y.exit, z.exit],
-            inv_exit: [x.inv_exit, y.inv_exit, z.inv_exit],
-            near: [x.near, y.near, z.near],
+            enter: (o + toward).to_array(),
+            inv_enter: (inv * (1.0 - SCALE_SLACK)).to_array(),
+            exit: (o - toward).to_array(),
+            inv_exit: (inv * (1.0 + SCALE_SLACK)).to_array(),
+            near: [down & 1, down >> 1 & 1, down >> 2 & 1],
         }
     }
 
@@ -134,30 +135,6 @@ pub(super) fn overlap<S: Simd>(s: S, slabs: [(S::F32x8, S::F32x8); 3], t_min: S:
     let near = s.max_f32(ax, s.max_f32(ay, s.max_f32(az, t_min)));
     let far = s.min_f32(bx, s.min_f32(by, s.min_f32(bz, t_max)));
     (s.le_f32(near, far), near)
-}
-
-/// One axis of a [`Bvh8Ray`].
-struct Axis {
-    enter: f32,
-    inv_enter: f32,
-    exit: f32,
-    inv_exit: f32,
-    near: usize,
-}
-
-impl Axis {
-    #[inline(always)]
-    fn new(o: f32, d: f64, slack: f32) -> Self {
-        let inv = (1.0 / d as f32).clamp(-STEEPEST, STEEPEST);
-        let toward = slack.copysign(inv);
-        Self {
-            enter: o + toward,
-            inv_enter: inv * (1.0 - SCALE_SLACK),
-            exit: o - toward,
-            inv_exit: inv * (1.0 + SCALE_SLACK),
-            near: usize::from(inv < 0.0),
-        }
-    }
 }
 
 /// Entries that a walk may leave behind: seven a level.

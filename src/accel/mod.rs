@@ -323,7 +323,9 @@ fn nearest_of(first: u32, count: u32, mut best: f64, hit: &mut impl FnMut(u32, f
 /// Whether there is anything to look for: finite numbers, a direction, depths in the interval.
 #[inline]
 pub fn can_meet(ray: &Ray, t_min: f64, t_max: f64) -> bool {
-    ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != crate::math::DVec3::ZERO && t_min <= t_max && t_max >= 0.0
+    // 0 times what is not finite is NaN.
+    let none = ray.origin * 0.0 + ray.dir * 0.0;
+    none.x + none.y + none.z == 0.0 && ray.dir != crate::math::DVec3::ZERO && t_min <= t_max && t_max >= 0.0
 }
 
 /// A primitive, or its part in a cell.

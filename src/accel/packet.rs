@@ -148,7 +148,7 @@ impl Slabs8 {
     const NONE: Self =
         Self { enter: [[0.0; LANES]; 3], inv_enter: [[0.0; LANES]; 3], exit: [[0.0; LANES]; 3], inv_exit: [[0.0; LANES]; 3] };
 
-    /// A group of a packet, in a tree whose largest absolute coordinate is `max_abs`: the numbers of [`Axis::new`].
+    /// A group of a packet, in a tree whose largest absolute coordinate is `max_abs`: the numbers of [`Bvh8Ray::new`].
     #[inline(always)]
     fn new<S: Simd>(s: S, packet: &Packet, group: usize, max_abs: f32) -> Self {
         let o = [

@@ -120,6 +120,18 @@ pub struct Prim {
     pub group_ix: u32,
 }
 
+impl Prim {
+    /// Whether a test of it costs less than one of its box.
+    #[inline]
+    pub fn is_cheap(&self) -> bool {
+        match self.kind {
+            PrimKind::Sphere | PrimKind::Plane | PrimKind::Box | PrimKind::Disc => self.transform_ix == 0 && self.clip_len == 0,
+            PrimKind::Triangle => true,
+            _ => false,
+        }
+    }
+}
+
 /// What covers a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Surface {

@@ -103,12 +103,18 @@ impl CameraModel {
     }
 
     /// The ray of lens sample `sample` of the pixel at (x, y), and the camera normal's point.
+    #[inline]
     pub fn lens_ray(&self, lens: &Lens, x: f64, y: f64, sample: u32) -> Option<(Ray, DVec3)> {
         let (x, y) = lens.pixel_position(x, y, sample);
-        let p = self.project(self.screen(x, y))?;
+        let s = self.screen(x, y);
+        // Of the projection that nearly all lenses have, without a copy.
+        let (dir, at) = match self.projection {
+            Projection::Perspective => (self.through(s), DVec3::new(s.x, s.y, 0.0)),
+            _ => self.project(s).map(|p| (p.dir, p.normal_point))?,
+        };
         let offset = lens.offset(x, y, sample);
-        let dir = p.dir * lens.focal_factor - offset;
-        Some((Ray::new(self.location + offset, dir.try_normalize()?), p.normal_point))
+        let dir = dir * lens.focal_factor - offset;
+        Some((Ray::new(self.location + offset, dir.try_normalize()?), at))
     }
 
     /// Place, direction, right and up of a camera whose rays through its lens are direction and shares of right and up; of parallel ones
@@ -127,12 +133,18 @@ impl CameraModel {
         DVec2::new((x + 0.5) / self.resolution.x - 0.5, ((self.resolution.y - 1.0) - (y - 0.5)) / self.resolution.y - 0.5)
     }
 
+    /// Direction of a perspective ray, not unit.
+    #[inline]
+    fn through(&self, s: DVec2) -> DVec3 {
+        self.direction + s.x * self.right + s.y * self.up
+    }
+
     fn project(&self, s: DVec2) -> Option<Projected> {
         let [r, u, d] = self.unit;
         let (DVec2 { x: a, y: b }, size) = (s, self.size);
         let from = |dir: DVec3, at: DVec2| Projected { origin: self.location, dir, normal_point: DVec3::new(at.x, at.y, 0.0) };
         Some(match self.projection {
-            Projection::Perspective => from(self.direction + a * self.right + b * self.up, s),
+            Projection::Perspective => from(self.through(s), s),
             Projection::Orthographic => Projected { origin: self.location + a * self.right + b * self.up, ..from(self.direction, s) },
             Projection::Fisheye { angle_rad } => {
                 let p = 2.0 * s * size;

@@ -2,7 +2,8 @@
 
 use super::inside::{containing_interiors, inside_object};
 use super::traverse::{
-    ClearPrims, MIN_DEPTH, Nearest, ShadowHit, intersect, intersect_clear, intersect_shadow, intersect_shadow_noting, meets_plain,
+    ClearPrims, MIN_DEPTH, Nearest, ShadowHints, ShadowHit, intersect, intersect_clear, intersect_shadow, intersect_shadow_noting,
+    meets_plain,
 };
 use crate::accel::AccelKind;
 use crate::compile::{CompileOptions, CompiledScene, compile_scene};
@@ -121,7 +122,7 @@ fn shadow_rays_stop_at_opaque_things_and_report_the_nearest_clear_one() {
 }
 
 /// Shapes of the common kinds, turned and stretched, side by side.
-fn assorted() -> Vec<Object> {
+pub(super) fn assorted() -> Vec<Object> {
     let shapes = [
         Shape::Sphere { center: DVec3::ZERO, radius: 1.0 },
         Shape::Box { min: DVec3::NEG_ONE, max: DVec3::new(1.0, 0.5, 1.0) },
@@ -175,7 +176,7 @@ fn the_rest_of_a_shadow_ray_meets_what_a_walk_of_its_own_would() {
         for d in scattered(1500) {
             let mut ray = Ray::new(d * 9.0, (d.yzx() * 2.0 - d * 9.0).normalize());
             let (mut left, mut noted) = (20.0, ClearPrims::default());
-            let mut met = intersect_shadow_noting(&scene, &ray, 1e-3, left, u32::MAX, None, &mut noted);
+            let mut met = intersect_shadow_noting(&scene, &ray, 1e-3, left, &ShadowHints::NONE, &mut noted);
             let Some(prims) = noted.all() else {
                 n_full += 1;
                 continue;
@@ -249,7 +250,7 @@ fn many_subtracted_parts_leave_the_same_holes_as_a_few() {
 }
 
 /// Directions and places all around, the same every time.
-fn scattered(n: usize) -> impl Iterator<Item = DVec3> {
+pub(super) fn scattered(n: usize) -> impl Iterator<Item = DVec3> {
     (0..n).map(|k| {
         let (a, b) = (k as f64 * 2.399963, k as f64 * 0.754877);
         let z = 1.0 - 2.0 * b.fract();

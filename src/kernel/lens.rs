@@ -15,6 +15,8 @@ pub struct Lens {
     /// Shift of the places, in apertures.
     jitter: f64,
     half_aperture: f64,
+    /// By two numbers of 0..16 that the hash table gives: the place inside the pixel, as a cell of 16 x 16 and a shift in it.
+    cells: Box<[[(f64, f64); 2]; 256]>,
     /// Directions of the lens plane.
     axes: [DVec3; 2],
     /// Fewest samples.
@@ -46,6 +48,7 @@ impl Lens {
                 _ => 0.5 / f64::from(n).sqrt(),
             },
             half_aperture: 0.5 * blur.aperture,
+            cells: cells(),
             axes: [x, y],
             min_samples: blur.min_samples,
             thresholds: (1..=n).map(|i| blur.variance * chi_square_point(blur.confidence, i) / last).collect(),
@@ -87,13 +90,9 @@ impl Lens {
     /// The place inside the pixel at (x, y) that sample `sample` looks through.
     pub fn pixel_position(&self, x: f64, y: f64, sample: u32) -> (f64, f64) {
         let seed = (313.0 * x + 11.0) as i64 + (311.0 * y + 17.0) as i64;
-        let cell = |k: i64| {
-            let h = hash_table()[((seed + k) & 4095) as usize];
-            f64::from(2 * (h % 16) + 1) / 32.0 - 0.5
-        };
-        let (dx, dy) = (cell(i64::from(sample)), cell(i64::from(sample) + 1));
-        let (jx, jy) = pixel_jitter(dx, dy);
-        (x + dx + (jx - 0.5) / 16.0, y + dy + (jy - 0.5) / 16.0)
+        let number = |k: i64| usize::from(hash_table()[((seed + k) & 4095) as usize]) % 16;
+        let [(dx, dy), (shift_x, shift_y)] = self.cells[16 * number(i64::from(sample)) + number(i64::from(sample) + 1)];
+        (x + dx + shift_x, y + dy + shift_y)
     }
 
     /// Shift of the ray's origin for sample `sample` at picture position (x, y) (what [`Lens::pixel_position`] gave).
@@ -103,6 +102,15 @@ impl Lens {
         let (lx, ly) = (self.half_aperture * (gx + 2.0 * self.jitter * jx), self.half_aperture * (gy + 2.0 * self.jitter * jy));
         lx * self.axes[0] - ly * self.axes[1]
     }
+}
+
+fn cells() -> Box<[[(f64, f64); 2]; 256]> {
+    let along = |k: usize| f64::from(2 * k as u32 + 1) / 32.0 - 0.5;
+    Box::new(std::array::from_fn(|k| {
+        let (dx, dy) = (along(k / 16), along(k % 16));
+        let (jx, jy) = pixel_jitter(dx, dy);
+        [(dx, dy), ((jx - 0.5) / 16.0, (jy - 0.5) / 16.0)]
+    }))
 }
 
 const HEX_7: [(i8, i8); 7] = [(-2, 0), (0, 0), (2, 0), (-1, 1), (-1, -1), (1, 1), (1, -1)];

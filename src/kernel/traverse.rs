@@ -4,7 +4,7 @@
 
 use super::SurfaceHit;
 use super::inside::{inside_object, run_program};
-use super::intersect::{HitSink, LocalRay, Part, intersect_shape, quadrics, shape_uv, simple, triangle, world_normal};
+use super::intersect::{HitSink, LocalRay, Part, intersect_shape, plain_normal, quadrics, shape_uv, simple, triangle, world_normal};
 use super::offers::{Offers, Slabs};
 use crate::accel::Candidates;
 use crate::compile::CompiledScene;
@@ -40,6 +40,13 @@ pub enum ShadowHit {
 /// on each other, the one stands that POV-Ray shows.
 pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_flags: u32) -> Option<SurfaceHit> {
     let mut nearest = Nearest { tie: TIE, ..Nearest::new(scene, ray, t_min, t_max) };
+    for_candidates(&scene.geometry, &mut nearest, skip_flags);
+    nearest.finish()
+}
+
+/// As [`intersect`], for a ray that starts on primitive `left` and cannot meet it again ([`super::leaving::left_behind`]; `u32::MAX` for none).
+pub fn intersect_leaving(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_flags: u32, left: u32) -> Option<SurfaceHit> {
+    let mut nearest = Nearest { tie: TIE, left, ..Nearest::new(scene, ray, t_min, t_max) };
     for_candidates(&scene.geometry, &mut nearest, skip_flags);
     nearest.finish()
 }
@@ -85,27 +92,58 @@ fn test_object(scene: &CompiledScene, object_ix: u32, slabs: &Slabs, nearest: &m
     }
 }
 
+/// Where a shadow ray looks for what stands in its way.
+#[derive(Clone, Copy, Debug)]
+pub enum Among<'c> {
+    /// In the whole scene.
+    All,
+    /// Of primitives with bounds it can meet these alone.
+    Candidates(&'c Candidates),
+    /// It can meet these alone.
+    Few(&'c [u32]),
+}
+
+/// What is known of a shadow ray before it is traced.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowHints<'c> {
+    /// A primitive that is tried first, or `u32::MAX`.
+    pub last: u32,
+    /// A primitive that it cannot meet ([`super::leaving::left_behind`]), or `u32::MAX`.
+    pub left: u32,
+    /// Where it looks.
+    pub among: Among<'c>,
+}
+
+impl ShadowHints<'_> {
+    /// Nothing.
+    pub const NONE: Self = Self { last: u32::MAX, left: u32::MAX, among: Among::All };
+}
+
 /// What lies on `ray` with `t_min < t < t_max`: stops at the first opaque hit found anywhere. Primitives without shadow are skipped.
 /// `last` (a primitive or `u32::MAX`) is tried first.
 pub fn intersect_shadow(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
-    intersect_shadow_noting(scene, ray, t_min, t_max, last, None, &mut ClearPrims::default())
+    shadow(scene, ray, REST, t_min, t_max, &ShadowHints { last, ..ShadowHints::NONE }, &mut ClearPrims::default())
 }
 
-/// As [`intersect_shadow`], noting which clear primitives lie on the way. A ray of a shaft meets `among` alone (primitives without bounds not
-/// counted).
+/// As [`intersect_shadow`], noting which clear primitives lie on the way.
+#[inline]
 pub fn intersect_shadow_noting(
     scene: &CompiledScene,
     ray: &Ray,
     t_min: f64,
     t_max: f64,
-    last: u32,
-    among: Option<&Candidates>,
+    hints: &ShadowHints,
     noted: &mut ClearPrims,
 ) -> ShadowHit {
-    if among.is_some_and(Candidates::is_empty) && scene.geometry.unbounded.is_empty() {
+    let meets_nothing = match hints.among {
+        Among::All => false,
+        Among::Candidates(list) => list.is_empty() && scene.geometry.unbounded.is_empty(),
+        Among::Few(list) => list.iter().all(|p| *p == hints.left),
+    };
+    if meets_nothing {
         return ShadowHit::None;
     }
-    shadow(scene, ray, REST, t_min, t_max, last, among, noted)
+    shadow(scene, ray, REST, t_min, t_max, hints, noted)
 }
 
 /// The clear primitives that a shadow ray may meet, noted on its first walk through the scene: where nothing opaque stands in the way, the
@@ -158,7 +196,7 @@ pub fn intersect_clear(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64,
 
 /// As [`intersect_shadow`], with moving objects where they are at `time`.
 pub fn intersect_shadow_at(scene: &CompiledScene, ray: &Ray, time: f64, t_min: f64, t_max: f64, last: u32) -> ShadowHit {
-    shadow(scene, ray, time, t_min, t_max, last, None, &mut ClearPrims::default())
+    shadow(scene, ray, time, t_min, t_max, &ShadowHints { last, ..ShadowHints::NONE }, &mut ClearPrims::default())
 }
 
 fn shadow(
@@ -167,8 +205,7 @@ fn shadow(
     time: f64,
     t_min: f64,
     t_max: f64,
-    last: u32,
-    among: Option<&Candidates>,
+    &ShadowHints { last, left, among }: &ShadowHints,
     noted: &mut ClearPrims,
 ) -> ShadowHit {
     let g = &scene.geometry;
@@ -185,6 +222,7 @@ fn shadow(
     };
     if let Some(prim) = g.prims.get(last as usize)
         && is_blocker(prim)
+        && last != left
         && stops(last, prim)
     {
         return ShadowHit::Opaque { prim_ix: last };
@@ -192,7 +230,7 @@ fn shadow(
     let mut blocker = u32::MAX;
     let mut test = |prim_ix: u32| {
         let prim = &g.prims[prim_ix as usize];
-        if prim.flags & prim_flags::NO_SHADOW != 0 || prim_ix == last {
+        if prim.flags & prim_flags::NO_SHADOW != 0 || prim_ix == last || prim_ix == left {
             return false;
         }
         if prim.flags & prim_flags::TRANSPARENT != 0 {
@@ -207,14 +245,26 @@ fn shadow(
         is_stopped
     };
     let blocked = match among {
-        Some(list) => list.any(ray, t_min, t_max, |k| test(g.bounded[k as usize])),
-        None if g.tree.tests_own_boxes() => g.tree.any(ray, t_min, t_max, |k| test(g.bounded[k as usize])),
-        None => any_in_doubt(g, ray, t_min, t_max, &mut test),
+        Among::Few(list) => any_of_few(g, ray, t_max, list, &mut test),
+        Among::Candidates(list) => list.any(ray, t_min, t_max, |k| test(g.bounded[k as usize])),
+        Among::All if g.tree.tests_own_boxes() => g.tree.any(ray, t_min, t_max, |k| test(g.bounded[k as usize])),
+        Among::All => any_in_doubt(g, ray, t_min, t_max, &mut test),
     };
-    if blocked || g.unbounded.iter().any(|p| test(*p)) {
+    let is_all = matches!(among, Among::Few(_));
+    if blocked || !is_all && g.unbounded.iter().any(|p| test(*p)) {
         return ShadowHit::Opaque { prim_ix: blocker };
     }
     clear.finish().map_or(ShadowHit::None, ShadowHit::Transparent)
+}
+
+/// Whether `test` says yes to any primitive of a list, of which those are asked that cost less than their boxes or whose boxes are met.
+#[inline(always)]
+fn any_of_few(g: &Geometry, ray: &Ray, t_max: f64, list: &[u32], test: &mut impl FnMut(u32) -> bool) -> bool {
+    let slabs = Slabs::new(ray);
+    list.iter().any(|p| {
+        let b = &g.bounds[*p as usize];
+        (g.prims[*p as usize].is_cheap() || b.is_unbounded() || slabs.hits(b, t_max)) && test(*p)
+    })
 }
 
 /// Whether `test` says yes to any primitive that a tree offers which does not test the primitives' own boxes. What lies behind others is asked
@@ -255,8 +305,9 @@ fn meets_bounds(scene: &CompiledScene, object_ix: u32, ray: &Ray) -> bool {
 /// Tests the primitives that the ray may meet and that have none of `skip_flags`: those without bounds first, then the tree's, near ones
 /// first.
 fn for_candidates(g: &Geometry, nearest: &mut Nearest, skip_flags: u32) {
+    let left = nearest.left;
     for prim_ix in &g.unbounded {
-        if g.prims[*prim_ix as usize].flags & skip_flags == 0 {
+        if g.prims[*prim_ix as usize].flags & skip_flags == 0 && *prim_ix != left {
             nearest.test(*prim_ix);
         }
     }
@@ -266,10 +317,10 @@ fn for_candidates(g: &Geometry, nearest: &mut Nearest, skip_flags: u32) {
 /// The tree's primitives, those that are worth it.
 #[inline(always)]
 fn closest_of(g: &Geometry, nearest: &mut Nearest, skip_flags: u32, mut is_worth: impl FnMut(u32, f64) -> bool) {
-    let (ray, t_min, t_max) = (nearest.ray, nearest.t_min, nearest.limit());
+    let (ray, t_min, t_max, left) = (nearest.ray, nearest.t_min, nearest.limit(), nearest.left);
     g.tree.closest(ray, t_min, t_max, |k, far| {
         let prim_ix = g.bounded[k as usize];
-        if g.prims[prim_ix as usize].flags & skip_flags != 0 || !is_worth(prim_ix, far) {
+        if g.prims[prim_ix as usize].flags & skip_flags != 0 || prim_ix == left || !is_worth(prim_ix, far) {
             return None;
         }
         nearest.test(prim_ix);
@@ -306,6 +357,8 @@ pub(super) struct Nearest<'a> {
     /// Share of the depth below which depths of two objects are one, and POV-Ray's order decides; 0: the depth alone decides.
     tie: f64,
     below_surface: bool,
+    /// A primitive that is not offered.
+    left: u32,
     // The primitive under test.
     prim: u32,
     clip: InsideProgram,
@@ -329,6 +382,7 @@ impl<'a> Nearest<'a> {
             bounds_asked: (u32::MAX, true),
             tie: 0.0,
             below_surface: false,
+            left: u32::MAX,
             prim: u32::MAX,
             clip: InsideProgram::default(),
             per_world: 1.0,
@@ -447,7 +501,7 @@ impl<'a> Nearest<'a> {
     }
 
     /// The best hit with its normal and coordinates.
-    #[inline]
+    #[inline(always)]
     pub fn finish(&self) -> Option<SurfaceHit> {
         if !self.found() {
             return None;
@@ -578,31 +632,38 @@ pub fn motion_at(g: &Geometry, prim: &Prim, time: f64) -> Transform {
     motion.filter(|_| time >= 0.0).map_or(Transform::IDENTITY, |m| m.at(time))
 }
 
-/// Everything about a hit that shading asks for.
-#[inline]
+/// Everything about a hit that shading asks for. Inlined, so that it is written where it stays: numbers just stored one by one and then copied
+/// are waited for.
+#[inline(always)]
 fn surface_hit(scene: &CompiledScene, ray: &Ray, time: f64, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
-    let g = &scene.geometry;
-    let prim = &g.prims[prim_ix as usize];
-    if prim.flags & prim_flags::MOVING == 0 || time < 0.0 {
-        return placed_hit(scene, ray, time, t, prim_ix, part);
+    if time >= 0.0 && scene.geometry.prims[prim_ix as usize].flags & prim_flags::MOVING != 0 {
+        moving_hit(scene, ray, time, t, prim_ix, part)
+    } else {
+        placed_hit(scene, ray, time, t, prim_ix, part)
     }
-    let motion = motion_at(g, prim, time);
+}
+
+#[cold]
+#[inline(never)]
+fn moving_hit(scene: &CompiledScene, ray: &Ray, time: f64, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
+    let g = &scene.geometry;
+    let motion = motion_at(g, &g.prims[prim_ix as usize], time);
     let placed = placed_hit(scene, &ray.into_object(&motion), time, t, prim_ix, part);
     let normal = motion.normal(placed.normal).try_normalize().unwrap_or(placed.normal);
     SurfaceHit { point: ray.at(t), normal, ..placed }
 }
 
 /// The same where the object rests; its vertices are where they are at `time`.
+#[inline(always)]
 fn placed_hit(scene: &CompiledScene, ray: &Ray, time: f64, t: f64, prim_ix: u32, part: &Part) -> SurfaceHit {
     let g = &scene.geometry;
     let prim = &g.prims[prim_ix as usize];
     let point = ray.at(t);
-    let (local, n) = if prim.transform_ix == 0 {
-        (point, world_normal(scene, prim, None, point, part, time))
-    } else {
-        let transform = &g.transforms[prim.transform_ix as usize];
-        let local = transform.inverse_point(point);
-        (local, world_normal(scene, prim, Some(transform), local, part, time))
+    let transform = (prim.transform_ix != 0).then(|| &g.transforms[prim.transform_ix as usize]);
+    let local = transform.map_or(point, |t| t.inverse_point(point));
+    let n = match plain_normal(g, prim, local, part) {
+        Some(n) => transform.map_or(n, |t| t.normal(n)),
+        None => world_normal(scene, prim, transform, local, part, time),
     };
     let n = n.try_normalize().unwrap_or(DVec3::X);
     SurfaceHit {

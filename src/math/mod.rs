@@ -17,7 +17,7 @@ pub mod transform;
 
 pub use bounds::Bounds;
 pub use color::{Rgb, Rgbft};
-pub use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4, Vec3};
+pub use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4, Vec3, Vec3A};
 pub use ray::Ray;
 pub use transform::Transform;
 

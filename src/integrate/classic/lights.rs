@@ -9,7 +9,7 @@ use crate::kernel::light::{area_axes, area_offset, attenuation, light_ray};
 use crate::math::random::UniformStream;
 use crate::math::{DVec3, EPSILON, Rgb, Vec3};
 use crate::savings::Saving;
-use crate::scene::Finish;
+use crate::scene::{Finish, Light};
 
 /// A layer as lamps see it.
 pub(super) struct LitLayer<'l> {
@@ -19,6 +19,16 @@ pub(super) struct LitLayer<'l> {
     /// How much of the layer is opaque.
     pub att: f64,
     pub irid_noise: f64,
+}
+
+impl LitLayer<'_> {
+    /// Whether nothing of the light on one side is scattered: no share, a black or clear layer.
+    #[inline]
+    fn is_idle(&self, behind: bool) -> bool {
+        let f = self.finish;
+        let diffuse = if behind { f.diffuse_back } else { f.diffuse };
+        diffuse == 0.0 || f.crand == 0.0 && (self.att == 0.0 || self.color == Vec3::ZERO)
+    }
 }
 
 /// Whether a light's colour is too dark to matter.
@@ -40,6 +50,11 @@ impl Tracer<'_> {
         let plan = self.plan;
         self.photons_replace = self.sees_photons(ctx);
         let mut sum = Vec3::ZERO;
+        let f = layer.finish;
+        let is_dull = f.phong == 0.0 && f.specular == 0.0 && layer.is_idle(false) && layer.is_idle(true);
+        if is_dull && !plan.shadows_draw && self.scene.options.savings.has(Saving::Lights) {
+            return sum;
+        }
         if ctx.prim.flags & prim_flags::NO_GLOBAL_LIGHTS == 0 {
             for (k, light_ix) in plan.global_lights.iter().enumerate() {
                 sum += self.lamp(ctx, layer, *light_ix, Some(ctx.lit_base + k));
@@ -71,20 +86,24 @@ impl Tracer<'_> {
             if layer.finish.diffuse_back == 0.0 {
                 // Media draw random numbers on the way, which would show elsewhere.
                 if !scene.options.savings.has(Saving::Lights) && self.plan.quality.shadows && !self.plan.has_media {
-                    self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, Known::Nothing);
+                    self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, Known::Nothing, ctx.left_behind(way.dir));
                 }
                 return Vec3::ZERO;
             }
             behind = true;
         }
+        if spread.is_none() && !self.draws_on_the_way(light) && self.gives_nothing_back(ctx, layer, way.dir, behind, !light.shadowless) {
+            return Vec3::ZERO;
+        }
+        let known = if ctx.ray.gathers { Known::Scattered } else { Known::Nothing };
         let tested = self.plan.quality.shadows && (!light.shadowless || compiled.projected_through != crate::compile::NONE);
         let filtered = match memo.and_then(|k| self.lit[k]) {
             _ if !tested => arriving,
             Some(known) => known,
             None => {
                 let c = match area {
-                    Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, arriving),
-                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, Known::Nothing),
+                    Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, arriving, Some(ctx.hit)),
+                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, known, ctx.left_behind(way.dir)),
                 };
                 if let Some(k) = memo {
                     self.lit[k] = Some(c);
@@ -117,6 +136,24 @@ impl Tracer<'_> {
         sum
     }
 
+    /// Whether a shadow ray to a lamp draws random numbers: leaving it out would show elsewhere.
+    fn draws_on_the_way(&self, light: &Light) -> bool {
+        self.plan.has_media || light.area.as_ref().is_some_and(|a| a.jitter) || !self.scene.options.savings.has(Saving::Lights)
+    }
+
+    /// Whether [`Self::answer`] is 0 whatever the light's colour is: black and clear layers, off their highlights.
+    fn gives_nothing_back(&self, ctx: &HitContext, layer: &LitLayer, dir: DVec3, behind: bool, glints: bool) -> bool {
+        let f = layer.finish;
+        layer.is_idle(behind)
+            && !(self.glints_at(ctx, f, behind, glints) && highlights(f, ctx.ray.ray.dir, layer.normal, dir, layer.color) != Vec3::ZERO)
+    }
+
+    /// Whether light makes highlights.
+    #[inline]
+    fn glints_at(&self, ctx: &HitContext, f: &Finish, behind: bool, glints: bool) -> bool {
+        !behind && glints && !ctx.ray.gathers && (f.phong != 0.0 || f.specular != 0.0)
+    }
+
     /// What a layer gives back of light of a colour from direction `dir`; only light that `glints` makes highlights.
     pub(super) fn answer(&mut self, ctx: &HitContext, layer: &LitLayer, dir: DVec3, color: Rgb, behind: bool, glints: bool) -> Rgb {
         let f = layer.finish;
@@ -130,7 +167,7 @@ impl Tracer<'_> {
             }
             sum += intensity as f32 * layer.color * color;
         }
-        if !behind && glints && !ctx.ray.gathers && (f.phong != 0.0 || f.specular != 0.0) {
+        if self.glints_at(ctx, f, behind, glints) {
             sum += highlights(f, ctx.ray.ray.dir, layer.normal, dir, layer.color) * color;
         }
         if f.irid[0] != 0.0 {

@@ -154,6 +154,17 @@ impl Tracer<'_> {
         if is_shadow && media.iter().all(|m| is_dark(extinction(&table[m as usize].params))) {
             return Gathered::default();
         }
+        let constant = media.iter().all(|m| self.plan.constant_media[m as usize]);
+        if is_shadow && constant {
+            // One interval, whose one sample is the same wherever it lies; only its random number is drawn.
+            if !(depth > 0.0) {
+                return Gathered::default();
+            }
+            self.media_random.draw();
+            let ext =
+                media.iter().map(|m| extinction(&table[m as usize].params)).filter(|e| !is_dark(*e)).fold(Vec3::ZERO, |sum, e| sum + e);
+            return Gathered { light: Vec3::ZERO, depth: ext * depth as f32 };
+        }
         let mut s = self.media_scratch[usize::from(is_shadow)].take().unwrap_or_default();
         s.lights.clear();
         if !is_shadow {
@@ -161,7 +172,6 @@ impl Tracer<'_> {
         }
         let rule_ix = self.cut_up(depth, media, &mut s);
         let rule = &table[rule_ix as usize].params;
-        let constant = media.iter().all(|m| self.plan.constant_media[m as usize]);
         let call = MediaRay {
             ray,
             around,
@@ -169,23 +179,21 @@ impl Tracer<'_> {
             lights: &s.lights,
             aa_threshold: media.iter().map(|m| table[m as usize].params.aa_threshold).fold(f64::INFINITY, f64::min) as f32,
             jitter: rule.jitter,
-            method: if is_shadow && constant { 1 } else { rule.method },
+            method: rule.method,
             is_shadow,
         };
         let mut total = Gathered::default();
-        let is_random = call.method != 3 && !(is_shadow && constant);
+        let is_random = call.method != 3;
         s.sums.clear();
         if is_random {
             // All intervals get their fewest samples before any gets more: random numbers are drawn in that order.
             s.sums.extend(s.intervals.iter().map(|i| self.fewest_samples(&call, i, rule.samples.0)));
         }
         for (k, interval) in s.intervals.iter().enumerate() {
-            let part = match call.method {
-                _ if is_random => {
-                    self.more_samples(&call, interval, s.sums[k], rule.samples.0, &self.plan.media_thresholds[rule_ix as usize])
-                }
-                3 => self.adaptive_interval(&call, interval, rule.samples.0, rule.aa_level),
-                _ => self.random_sample(&call, interval),
+            let part = if is_random {
+                self.more_samples(&call, interval, s.sums[k], rule.samples.0, &self.plan.media_thresholds[rule_ix as usize])
+            } else {
+                self.adaptive_interval(&call, interval, rule.samples.0, rule.aa_level)
             };
             total.light += part.light * transmittance(total.depth);
             total.depth += part.depth;
@@ -405,8 +413,8 @@ impl Tracer<'_> {
         }
         // Shadow rays may cross media too, but they have scratch memory of their own.
         let color = match &light.area {
-            Some(a) => self.through_area(light_ix, a, around, point, &way, color),
-            None => self.unshadowed(light_ix, around, point, &way, color, Known::Nothing),
+            Some(a) => self.through_area(light_ix, a, around, point, &way, color, None),
+            None => self.unshadowed(light_ix, around, point, &way, color, Known::InMedium, u32::MAX),
         };
         (color, way.dir)
     }

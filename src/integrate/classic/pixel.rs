@@ -9,6 +9,9 @@ use crate::kernel::PatternPoint;
 use crate::kernel::lens::Lens;
 use crate::math::{DVec2, DVec3, Ray, Vec3};
 
+/// Lens rays that are made together.
+const RAYS_AT_ONCE: usize = 8;
+
 impl Tracer<'_> {
     /// Colour and transmit seen at picture position (x, y): integers are pixel centres, y runs down.
     pub fn pixel(&mut self, x: f64, y: f64) -> [f32; 4] {
@@ -41,20 +44,26 @@ impl Tracer<'_> {
     fn blurred(&mut self, lens: &Lens, x: f64, y: f64) -> [f32; 4] {
         let (mut sum, mut sum_sq) = ([0.0f32; 4], [0.0f32; 4]);
         let (mut n, mut group) = (0u32, 0usize);
+        let mut rays = [None; RAYS_AT_ONCE];
         while n < lens.max_samples() {
-            for _ in 0..lens.group(group).min(lens.max_samples() - n) {
-                let c = match self.plan.camera.lens_ray(lens, x, y, n) {
-                    Some((ray, at)) => {
-                        let ray = bent(self.scene, self.plan, ray, at);
-                        self.camera_ray(ray, f64::INFINITY)
-                    }
-                    None => self.nothing(),
-                };
-                for k in 0..4 {
-                    sum[k] += c[k];
-                    sum_sq[k] += c[k] * c[k];
+            let end = n + lens.group(group).min(lens.max_samples() - n);
+            while n < end {
+                // Made one after another: each waits for a root and a quotient, and their waits overlap.
+                let n_rays = (end - n).min(rays.len() as u32);
+                for k in 0..n_rays {
+                    rays[k as usize] = self.plan.camera.lens_ray(lens, x, y, n + k);
                 }
-                n += 1;
+                for ray in &rays[..n_rays as usize] {
+                    let c = match *ray {
+                        Some((ray, at)) => self.camera_ray(bent(self.scene, self.plan, ray, at), f64::INFINITY),
+                        None => self.nothing(),
+                    };
+                    for k in 0..4 {
+                        sum[k] += c[k];
+                        sum_sq[k] += c[k] * c[k];
+                    }
+                }
+                n += n_rays;
             }
             group += 1;
             if lens.is_settled(n, sum, sum_sq) {

@@ -1,6 +1,7 @@
 //! What arrives of a light at a point: shadow rays through clear things, grids of area lights. Source: spec/light.md, section 6.
 
 use super::lights::{area_place, is_dark};
+use super::occlusion::{FewBetween, Spread};
 use super::photons;
 use super::ray::InteriorList;
 use super::refract::fade_factor;
@@ -8,11 +9,14 @@ use super::shafts::Known;
 use super::texturing as cover;
 use super::trace::Tracer;
 use crate::accel::Candidates;
-use crate::compile::NONE;
 use crate::compile::texture::TextureNode;
+use crate::compile::{CompiledScene, NONE};
 use crate::kernel::atmosphere::fog_effect;
+use crate::kernel::leaving::left_behind_toward;
 use crate::kernel::light::{LightRay, area_axes, area_offset, light_ray};
-use crate::kernel::traverse::{ClearPrims, SHADOW_TOLERANCE, ShadowHit, intersect_clear, intersect_object, intersect_shadow_noting};
+use crate::kernel::traverse::{
+    Among, ClearPrims, SHADOW_TOLERANCE, ShadowHints, ShadowHit, intersect_clear, intersect_object, intersect_shadow_noting,
+};
 use crate::kernel::{PatternPoint, SurfaceHit};
 use crate::math::{DVec3, Ray, Rgb, Rgbft, Vec3};
 use crate::savings::Saving;
@@ -34,6 +38,7 @@ impl Tracer<'_> {
         way: &LightRay,
         color: Rgb,
         known: Known,
+        left_behind: u32,
     ) -> Rgb {
         let scene = self.scene;
         let compiled = &scene.lights[light_ix as usize];
@@ -57,11 +62,34 @@ impl Tracer<'_> {
                 break;
             }
             let last = if scene.options.savings.has(Saving::Blockers) { self.blockers[light_ix as usize][slot] } else { u32::MAX };
-            let among = if let Known::Among(list) = known { Some(list) } else { None };
+            // What is left behind was left where the ray starts.
+            let mut hints = ShadowHints { last, left: if nth == 0 { left_behind } else { u32::MAX }, among: Among::All };
             let hit = match known {
                 Known::Open => ShadowHit::None,
                 Known::Stopped(prim_ix) => ShadowHit::Opaque { prim_ix },
-                Known::Among(_) | Known::Nothing => self.onward_to_light(&ray, left, last, nth == 0, among, &mut noted),
+                Known::Among(list) => {
+                    hints.among = Among::Candidates(list);
+                    onward_to_light(scene, &ray, left, nth == 0, &hints, &mut noted)
+                }
+                Known::Few(list) => {
+                    hints.among = Among::Few(list);
+                    onward_to_light(scene, &ray, left, nth == 0, &hints, &mut noted)
+                }
+                Known::Many => onward_to_light(scene, &ray, left, nth == 0, &hints, &mut noted),
+                Known::Nothing | Known::InMedium | Known::Scattered => {
+                    let spread = match known {
+                        Known::InMedium => Spread::Medium,
+                        Known::Scattered => Spread::Anywhere,
+                        _ => Spread::Surface,
+                    };
+                    if nth == 0
+                        && let Some(place) = &self.plan.lamp_places[light_ix as usize]
+                        && let Some(list) = self.cells.list(scene, (light_ix, place), point, spread)
+                    {
+                        hints.among = Among::Few(list);
+                    }
+                    onward_to_light(scene, &ray, left, nth == 0, &hints, &mut noted)
+                }
             };
             match hit {
                 ShadowHit::None => {
@@ -99,28 +127,6 @@ impl Tracer<'_> {
         color
     }
 
-    /// What a shadow ray meets next. The first piece of it walks through the scene, which says what the rest may meet.
-    fn onward_to_light(
-        &self,
-        ray: &Ray,
-        left: f64,
-        last: u32,
-        is_first: bool,
-        among: Option<&Candidates>,
-        noted: &mut ClearPrims,
-    ) -> ShadowHit {
-        let (t_min, t_max) = (SHADOW_TOLERANCE, left - SHADOW_TOLERANCE);
-        match noted.all() {
-            Some(prims) if !is_first => {
-                intersect_clear(self.scene, ray, t_min, t_max, prims).map_or(ShadowHit::None, ShadowHit::Transparent)
-            }
-            _ => {
-                noted.clear();
-                intersect_shadow_noting(self.scene, ray, t_min, t_max, last, among, noted)
-            }
-        }
-    }
-
     /// What surfaces leave of light that comes along `ray` from `distance` away; the air is not looked at.
     pub(super) fn clear_way(&self, around: &InteriorList, mut ray: Ray, distance: f64) -> Rgb {
         let (mut color, mut left) = (Vec3::ONE, distance);
@@ -130,7 +136,7 @@ impl Tracer<'_> {
             if left <= 2.0 * SHADOW_TOLERANCE {
                 break;
             }
-            match self.onward_to_light(&ray, left, u32::MAX, nth == 0, None, &mut noted) {
+            match onward_to_light(self.scene, &ray, left, nth == 0, &ShadowHints::NONE, &mut noted) {
                 ShadowHit::None => break,
                 ShadowHit::Opaque { .. } => return Vec3::ZERO,
                 ShadowHit::Transparent(hit) => {
@@ -206,8 +212,8 @@ impl Tracer<'_> {
                     if self.plan.quality.normals && layer.normal != NONE {
                         normal = cover::perturb(scene, layer.normal, normal, p, space);
                     }
-                    let at = PatternPoint { normal: space.seen.get(), ..*p };
-                    let color = cover::layer_color(scene, layer.pigment, &at, self.plan.quality.quick_colors).unwrap_or(Rgbft::CLEAR);
+                    let color = cover::layer_color(scene, layer.pigment, p, space.seen.get(), self.plan.quality.quick_colors)
+                        .unwrap_or(Rgbft::CLEAR);
                     product *= color.transmittance();
                     if caustics != 0.0 {
                         product *= (1.0 + dir.dot(normal).abs().powf(caustics)) as f32;
@@ -236,12 +242,30 @@ impl Tracer<'_> {
         point: DVec3,
         way: &LightRay,
         color: Rgb,
+        hit: Option<&SurfaceHit>,
     ) -> Rgb {
+        let mut few = FewBetween::default();
+        if let Some(place) = &self.plan.lamp_places[light_ix as usize] {
+            let spread = if hit.is_some() { Spread::Surface } else { Spread::Medium };
+            if let Some(list) = self.cells.list(self.scene, (light_ix, place), point, spread) {
+                few = FewBetween::of(list);
+            }
+            if let (Some(hit), Some(ends)) = (hit, place.bounds()) {
+                few.left = left_behind_toward(&self.scene.geometry, hit, ends);
+            }
+        }
+        if few.are_none() && self.is_air_clear() {
+            // All points show the same, and a mean of equal numbers, taken four by four, is that number to the last bit.
+            if area.jitter {
+                self.random.skip(2 * self.plan.area_asked[light_ix as usize]);
+            }
+            return color;
+        }
         let mut points = std::mem::take(&mut self.area_points);
         points.clear();
         points.resize(area.n1 as usize * area.n2 as usize, None);
         let axes = area_axes(area, way.dir);
-        let mut grid = AreaGrid { light_ix, area, axes, around, point, color, points, n_open: 0, among: None };
+        let mut grid = AreaGrid { light_ix, area, axes, around, point, color, few, points, n_open: 0, among: None };
         let mean = match self.area_points_together(&mut grid) {
             Some(mean) => mean,
             None => self.area_part(&mut grid, [0, 0, area.n1.max(1) - 1, area.n2.max(1) - 1], 0),
@@ -283,17 +307,33 @@ impl Tracer<'_> {
         let (ju, jv) = (area_place(&mut self.random, u, grid.area.jitter), area_place(&mut self.random, v, grid.area.jitter));
         let offset = area_offset(grid.area, grid.axes, ju, jv);
         let way = light_ray(&self.scene.lights[grid.light_ix as usize].light, grid.point, offset);
-        let known = grid.among.as_ref().map_or(Known::Nothing, Known::Among);
-        let c = self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color, known);
+        let known = match (grid.few.list(), &grid.among) {
+            (Some(few), _) => Known::Few(few),
+            (None, Some(list)) => Known::Among(list),
+            (None, None) => Known::Many,
+        };
+        let c = self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color, known, grid.few.left);
         if !is_dark(c) {
             grid.n_open += 1;
             // Few rays walk far: the four corners, when no more are wanted, and what the last blocker does not stop.
-            if grid.n_open == WALKS_BEFORE_LIST {
+            if grid.n_open == WALKS_BEFORE_LIST && grid.few.list().is_none() {
                 grid.among = self.before_area(&self.scene.lights[grid.light_ix as usize].light, grid.area, grid.axes, grid.point);
             }
         }
         grid.points[place] = Some(c);
         c
+    }
+}
+
+/// What a shadow ray meets next. The first piece of it looks through the scene, which says what the rest may meet.
+fn onward_to_light(scene: &CompiledScene, ray: &Ray, left: f64, is_first: bool, hints: &ShadowHints, noted: &mut ClearPrims) -> ShadowHit {
+    let (t_min, t_max) = (SHADOW_TOLERANCE, left - SHADOW_TOLERANCE);
+    match noted.all() {
+        Some(prims) if !is_first => intersect_clear(scene, ray, t_min, t_max, prims).map_or(ShadowHit::None, ShadowHit::Transparent),
+        _ => {
+            noted.clear();
+            intersect_shadow_noting(scene, ray, t_min, t_max, hints, noted)
+        }
     }
 }
 
@@ -316,6 +356,8 @@ pub(super) struct AreaGrid<'g> {
     pub around: &'g InteriorList,
     pub point: DVec3,
     pub color: Rgb,
+    /// What may stand in the way, where it is known from the start.
+    pub few: FewBetween,
     /// By grid point: what arrived from it.
     pub points: Vec<Option<Rgb>>,
     /// Points that light came from.

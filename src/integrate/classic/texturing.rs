@@ -3,7 +3,7 @@
 use super::inline_vec::InlineVec;
 use crate::compile::CompiledScene;
 use crate::compile::geometry::Prim;
-use crate::compile::texture::TextureNode;
+use crate::compile::texture::{PigmentCode, TextureNode};
 use crate::kernel::cover::{for_covers, sole_cover};
 use crate::kernel::normal::{normal_into_pattern, normal_out_of_pattern, perturb_normal};
 use crate::kernel::pigment::{color_at, eval_pigment, eval_quick_pigment};
@@ -123,8 +123,18 @@ pub(super) fn perturb_in_world(scene: &CompiledScene, normal_ix: u32, dir: DVec3
     perturb_normal(scene, normal_ix, dir, p)
 }
 
-/// Colour of a layer's pigment; `None` outside a picture that is shown once.
-pub(super) fn layer_color(scene: &CompiledScene, pigment: u32, p: &PatternPoint, quick: bool) -> Option<Rgbft> {
+/// Colour of a layer's pigment, for patterns that see normal `seen`; `None` outside a picture that is shown once.
+#[inline]
+pub(super) fn layer_color(scene: &CompiledScene, pigment: u32, p: &PatternPoint, seen: DVec3, quick: bool) -> Option<Rgbft> {
+    // Plain colours look at no point: none is made ready for them.
+    match scene.textures.pigments[pigment as usize].code {
+        PigmentCode::Solid(color) if !quick => Some(color),
+        _ => patterned_color(scene, pigment, &PatternPoint { normal: seen, ..*p }, quick),
+    }
+}
+
+#[inline(never)]
+fn patterned_color(scene: &CompiledScene, pigment: u32, p: &PatternPoint, quick: bool) -> Option<Rgbft> {
     if quick { eval_quick_pigment(scene, pigment, p) } else { eval_pigment(scene, pigment, p) }
 }
 

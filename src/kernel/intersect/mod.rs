@@ -191,6 +191,23 @@ pub fn inside_shape(scene: &CompiledScene, prim: &Prim, p: DVec3, inverted: bool
         }
 }
 
+/// The normal of a hit in shape space, not unit, not inverted, for the shapes that tell it at once.
+#[inline(always)]
+pub fn plain_normal(g: &Geometry, prim: &Prim, p: DVec3, part: &Part) -> Option<DVec3> {
+    let ix = prim.shape_ix as usize;
+    let s = &g.shapes;
+    Some(match prim.kind {
+        PrimKind::Sphere => (p - s.spheres[ix].center) / s.spheres[ix].radius,
+        PrimKind::Box => simple::box_normal(part.face),
+        PrimKind::Plane => s.planes[ix].normal,
+        PrimKind::Disc => DVec3::Z,
+        PrimKind::Cylinder => quadrics::cylinder_normal(p, part.face),
+        PrimKind::Cone => quadrics::cone_normal(p, part.face),
+        PrimKind::Triangle => triangle::triangle_normal(&s.triangles[ix], part),
+        _ => return None,
+    })
+}
+
 /// The normal of a hit, in the world unless `transform` is `None`; not unit, not inverted. `p` is in shape space.
 pub fn world_normal(scene: &CompiledScene, prim: &Prim, transform: Option<&Transform>, p: DVec3, part: &Part, time: f64) -> DVec3 {
     if prim.kind == PrimKind::HeightField {
@@ -203,17 +220,13 @@ pub fn world_normal(scene: &CompiledScene, prim: &Prim, transform: Option<&Trans
 
 /// The normal of a hit in shape space, not unit, not inverted.
 fn shape_normal(scene: &CompiledScene, prim: &Prim, p: DVec3, part: &Part, time: f64) -> DVec3 {
+    if let Some(n) = plain_normal(&scene.geometry, prim, p, part) {
+        return n;
+    }
     let ix = prim.shape_ix as usize;
     let s = &scene.geometry.shapes;
     match prim.kind {
-        PrimKind::Sphere => (p - s.spheres[ix].center) / s.spheres[ix].radius,
-        PrimKind::Box => simple::box_normal(part.face),
-        PrimKind::Plane => s.planes[ix].normal,
-        PrimKind::Disc => DVec3::Z,
-        PrimKind::Cylinder => quadrics::cylinder_normal(p, part.face),
-        PrimKind::Cone => quadrics::cone_normal(p, part.face),
         PrimKind::Torus => torus::torus_normal(&s.tori[ix], p),
-        PrimKind::Triangle => triangle::triangle_normal(&s.triangles[ix], part),
         PrimKind::Mesh | PrimKind::BicubicPatch => mesh::mesh_normal(&s.meshes[ix], part, time),
         PrimKind::Polygon => s.polygons[ix].normal,
         PrimKind::Quadric => algebraic::quadric_normal(&s.quadrics[ix], p),
@@ -230,8 +243,15 @@ fn shape_normal(scene: &CompiledScene, prim: &Prim, p: DVec3, part: &Part, time:
         PrimKind::JuliaFractal => julia::julia_normal(&s.julias[ix], p),
         PrimKind::Isosurface => implicit::isosurface_normal(&s.isosurfaces[ix], p, part, &field(scene, s.isosurfaces[ix].function)),
         PrimKind::Parametric => implicit::parametric_normal(&s.parametrics[ix], part, &chart(scene, s.parametrics[ix].functions)),
-        // `world_normal` has it.
-        PrimKind::HeightField => DVec3::Y,
+        // `world_normal` has it; the others went before.
+        PrimKind::HeightField
+        | PrimKind::Sphere
+        | PrimKind::Box
+        | PrimKind::Plane
+        | PrimKind::Disc
+        | PrimKind::Cylinder
+        | PrimKind::Cone
+        | PrimKind::Triangle => DVec3::Y,
     }
 }
 

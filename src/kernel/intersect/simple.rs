@@ -104,6 +104,7 @@ pub fn inside_box(b: &BoxShape, p: DVec3) -> bool {
 }
 
 /// Outward normal of a face.
+#[inline]
 pub fn box_normal(face: u32) -> DVec3 {
     let sign = if face & 1 == 0 { -1.0 } else { 1.0 };
     let mut n = DVec3::ZERO;

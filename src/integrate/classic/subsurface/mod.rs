@@ -273,8 +273,8 @@ impl Tracer<'_> {
         }
         let around = &exit.ctx.ray.interiors;
         match light.area.as_ref().filter(|_| !exit.ctx.ray.gathers) {
-            Some(area) => self.through_area(light_ix, area, around, point, way, color),
-            None => self.unshadowed(light_ix, around, point, way, color, Known::Nothing),
+            Some(area) => self.through_area(light_ix, area, around, point, way, color, None),
+            None => self.unshadowed(light_ix, around, point, way, color, Known::Nothing, u32::MAX),
         }
     }
 }
