@@ -427,8 +427,14 @@ impl<'a> Nearest<'a> {
         }
         self.prim = prim_ix;
         self.clip = InsideProgram { start: prim.clip_start, len: prim.clip_len };
-        let local =
-            if prim.flags & prim_flags::MOVING != 0 && self.time >= 0.0 { self.moving_ray(prim) } else { local_ray(g, prim, self.ray) };
+        let local = if prim.flags & prim_flags::MOVING != 0 && self.time >= 0.0 {
+            self.moving_ray(prim)
+        } else {
+            match local_ray(g, prim, self.ray) {
+                Some(local) => local,
+                None => return,
+            }
+        };
         self.per_world = local.scale;
         intersect_shape(self.scene, prim, &local, self);
     }
@@ -566,20 +572,23 @@ impl HitSink for Nearest<'_> {
     }
 }
 
-/// The ray in the space of a primitive at rest.
+/// The ray in the space of a primitive at rest; `None` where it is plain before it is made unit that it misses.
 #[inline(always)]
-pub(super) fn local_ray(g: &Geometry, prim: &Prim, ray: &Ray) -> LocalRay {
+pub(super) fn local_ray(g: &Geometry, prim: &Prim, ray: &Ray) -> Option<LocalRay> {
     if prim.transform_ix == 0 {
-        return LocalRay { origin: ray.origin, dir: ray.dir, scale: 1.0 };
+        return Some(LocalRay { origin: ray.origin, dir: ray.dir, scale: 1.0 });
     }
     let t = &g.transforms[prim.transform_ix as usize];
     let (origin, dir) = (t.inverse_point(ray.origin), t.inverse_vector(ray.dir));
     if prim.kind == PrimKind::Box {
         // Not made unit: what POV-Ray gets of boxes that lie on others shows that it does not either.
-        return LocalRay { origin, dir, scale: 1.0 };
+        return Some(LocalRay { origin, dir, scale: 1.0 });
+    }
+    if matches!(prim.kind, PrimKind::Cylinder | PrimKind::Cone) && quadrics::surely_missed(prim.kind == PrimKind::Cone, origin, dir) {
+        return None;
     }
     let len = dir.length();
-    LocalRay { origin, dir: dir / len, scale: len }
+    Some(LocalRay { origin, dir: dir / len, scale: len })
 }
 
 /// Whether a ray meets a primitive between two depths, neither included: told for those of which every hit stands and whose shape is among
@@ -590,7 +599,7 @@ pub(super) fn meets_plain(g: &Geometry, prim: &Prim, ray: &Ray, t_min: f64, t_ma
         return None;
     }
     let (ix, s) = (prim.shape_ix as usize, &g.shapes);
-    let local = local_ray(g, prim, ray);
+    let Some(local) = local_ray(g, prim, ray) else { return Some(false) };
     let mut sink = Within { per_world: local.scale, t_min, t_max, is_met: false };
     match prim.kind {
         PrimKind::Sphere => simple::intersect_sphere(&s.spheres[ix], &local, &mut sink),

@@ -9,6 +9,7 @@ use crate::kernel::light::{area_axes, area_offset, attenuation, light_ray};
 use crate::math::random::UniformStream;
 use crate::math::{DVec3, EPSILON, Rgb, Vec3};
 use crate::savings::Saving;
+use crate::scene::light::LightKind;
 use crate::scene::{Finish, Light};
 
 /// A layer as lamps see it.
@@ -29,6 +30,16 @@ impl LitLayer<'_> {
         let diffuse = if behind { f.diffuse_back } else { f.diffuse };
         diffuse == 0.0 || f.crand == 0.0 && (self.att == 0.0 || self.color == Vec3::ZERO)
     }
+}
+
+/// Whether a lamp lies behind a surface beyond any rounding, told without a root and a quotient.
+#[inline]
+fn is_well_behind(light: &Light, point: DVec3, normal: DVec3) -> bool {
+    if light.parallel || !matches!(light.kind, LightKind::Point | LightKind::Spot { .. }) {
+        return false;
+    }
+    let to = light.location - point;
+    to.dot(normal) < -1e-9 * (to.x.abs() + to.y.abs() + to.z.abs())
 }
 
 /// Whether a light's colour is too dark to matter.
@@ -74,9 +85,13 @@ impl Tracer<'_> {
         let compiled = &scene.lights[light_ix as usize];
         let light = &compiled.light;
         let point = ctx.hit.point;
-        let way = light_ray(light, point, DVec3::ZERO);
         let area = light.area.as_ref().filter(|_| self.plan.quality.area_lights && !ctx.ray.gathers);
         let spread = area.filter(|a| a.area_illumination);
+        let is_seen_behind = layer.finish.diffuse_back != 0.0 || spread.is_some() || Self::double_illuminated(ctx);
+        if !is_seen_behind && scene.options.savings.has(Saving::Lights) && is_well_behind(light, point, layer.normal) {
+            return Vec3::ZERO;
+        }
+        let way = light_ray(light, point, DVec3::ZERO);
         let arriving = if spread.is_some() { light.color } else { light.color * attenuation(light, &compiled.beam, point, &way) as f32 };
         if is_dark(arriving) {
             return Vec3::ZERO;

@@ -18,7 +18,7 @@ const MOST: usize = 6;
 /// Rays that a cell has seen when it gets its list.
 const ENOUGH: u16 = 4;
 /// Places of the table, a power of two.
-const N_CELLS: usize = 2048;
+const N_CELLS: usize = 1024;
 /// Bits of a cell's number along an axis.
 const AXIS_BITS: u32 = 12;
 /// How shadow rays that start together lie; the sides of cells are 2 to this times those for surfaces.
@@ -233,11 +233,20 @@ fn between(scene: &CompiledScene, cell: &Bounds, place: &LampPlace, found: &mut 
         // The edges along the axis, by the corners that they begin at.
         let (u, v) = (1 << ((k + 1) % 3), 1 << ((k + 2) % 3));
         for (j, corner) in [0, u, v, u | v].into_iter().enumerate() {
-            normals[4 * k + j] = axis.cross(match place.0 {
-                End::Toward(dir) if j == 0 => dir,
-                End::Toward(_) => DVec3::ZERO,
-                End::Within(b) => b.center() - corners[corner],
-            });
+            normals[4 * k + j] = match place.0 {
+                End::Toward(dir) if j == 0 => axis.cross(dir),
+                End::Within(b) => {
+                    // Planes through other edges than those of the outline, seen from the lamp, cut nothing off.
+                    let lamp = b.center();
+                    let shows =
+                        |axis: usize, bit: usize| if corner & bit != 0 { lamp[axis] > cell.max[axis] } else { lamp[axis] < cell.min[axis] };
+                    if shows((k + 1) % 3, u) == shows((k + 2) % 3, v) {
+                        continue;
+                    }
+                    axis.cross(lamp - corners[corner])
+                }
+                End::Toward(_) => continue,
+            };
         }
     }
     if !g.tree.gather(&Shaft::around(&points, &normals, bounds), 2 * MOST, found) {
