@@ -166,7 +166,7 @@ fn bsdf(p: &Principled) -> Result<Value, String> {
                 _ => pictures(),
             }
         }
-        Some(Closure::Glass { color, roughness, ior, normal: None, .. }) => {
+        Some(Closure::Glass { color, roughness, ior, film_thickness, normal: None, .. }) if film_thickness.as_constant() == Some(0.0) => {
             match (color.as_constant(), roughness.as_constant(), ior.as_constant()) {
                 (Some(c), Some(r), Some(ior)) => Ok(json!({"type": "glass", "color": rgb(c), "alpha": r * r, "ior": ior})),
                 _ => pictures(),

@@ -69,10 +69,10 @@ pub enum Distribution {
 /// How light goes on below a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SubsurfaceMethod {
-    /// Random walk, entered diffusely; the radius fits the albedo (Blender's default).
+    /// Random walk, entered by refraction (Blender's default).
     #[default]
     RandomWalk,
-    /// The same, entered by refraction at the surface's roughness ("Random Walk (Skin)").
+    /// The same, half of it entered diffusely, with a radius that fits the colour ("Random Walk (Skin)").
     RandomWalkSkin,
 }
 
@@ -105,12 +105,17 @@ pub enum Closure {
         rotation: Scalar,
         normal: Option<Box<NormalInput>>,
     },
+    /// Reflection of a metal by the Fresnel equations, with an index and an extinction for each channel.
+    Conductor(Box<ConductorClosure>),
     /// Reflection and refraction by the Fresnel equations.
     Glass {
         distribution: Distribution,
         color: Color,
         roughness: Scalar,
         ior: Scalar,
+        /// Nanometres; 0 for none.
+        film_thickness: Scalar,
+        film_ior: Scalar,
         normal: Option<Box<NormalInput>>,
     },
     /// Refraction without a Fresnel term.
@@ -197,6 +202,25 @@ impl RaySort {
     /// Keys of the file's `lightPath` records.
     pub const KEYS: [&str; 9] =
         ["camera", "diffuse", "glossy", "transmission", "sharpGlossy", "sharpTransmission", "volumeScatter", "shadow", "light"];
+}
+
+/// Blender's Metallic BSDF, "Physical Conductor".
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConductorClosure {
+    /// Of the facets.
+    pub distribution: Distribution,
+    /// Index of refraction, by channel.
+    pub ior: Color,
+    /// Extinction, by channel.
+    pub extinction: Color,
+    /// Of the facets.
+    pub roughness: Scalar,
+    /// Stretch of the facets, 0..=1.
+    pub anisotropy: Scalar,
+    /// Of the tangent, turns.
+    pub rotation: Scalar,
+    /// Instead of the surface's.
+    pub normal: Option<Box<NormalInput>>,
 }
 
 /// Principled BSDF of Blender 4.5, socket by socket. Colours are linear; angles in turns where Blender has turns.

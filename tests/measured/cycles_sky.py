@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Radiance of Cycles' Nishita sky along a few directions: writes cycles_sky.txt. Needs Blender's Python (bpy 4.5) and OpenEXR.
 
-Each line: elevation of the sun, its rotation, elevation and azimuth of the direction (degrees; azimuth from +x to +y), red, green, blue; strength 1, no disc."""
+Each line: elevation of the sun, its rotation, densities of air, dust and ozone, altitude, elevation and azimuth of the direction (degrees; azimuth
+from +x to +y), red, green, blue; strength 1, no disc. The camera is orthographic, so that all its rays have one direction."""
 import math, os, sys
 import bpy, numpy as np, OpenEXR
 
@@ -23,22 +24,26 @@ def main():
     sky.sky_type = "NISHITA"
     tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs["Color"])
     data = bpy.data.cameras.new("Camera")
-    data.lens = 2000
+    data.type = "ORTHO"
     scene.camera = bpy.data.objects.new("Camera", data)
     scene.collection.objects.link(scene.camera)
     path = f"/tmp/cycles_sky_{os.getpid()}.exr"
     scene.render.filepath = path
-    print(f"# Cycles {bpy.app.version_string}, tests/measured/cycles_sky.py: sun's elevation and rotation, elevation and azimuth, red green blue")
-    for sun, turn in ((25, 120), (60, 0), (5, 0)):
+    print(f"# Cycles {bpy.app.version_string}, tests/measured/cycles_sky.py: sun's elevation and rotation, air, dust, ozone, altitude, elevation and azimuth, red green blue")
+    skies = ((25, 120, 1, 1, 1, 0), (60, 0, 1, 1, 1, 0), (5, 0, 1, 1, 1, 0), (60, 137.5, 1, 1, 4, 3000), (3, 137.5, 1.5, 3, 1, 0), (5, 0, 0, 10, 0, 0))
+    for values in skies:
+        sun, turn = values[:2]
         sky.sun_disc = False
         sky.sun_elevation, sky.sun_rotation = math.radians(sun), math.radians(turn)
-        for elevation in (90, 60, 30, 10, 3, 0.5, -5):
-            for azimuth in (0, 90, 180, 300) if elevation < 90 else (0,):
+        sky.air_density, sky.dust_density, sky.ozone_density, sky.altitude = values[2:]
+        for elevation in (89, 30, 10, 3, 0.5, -5):
+            for azimuth in (0, 90, 180):
                 e, a = math.radians(elevation), math.radians(azimuth)
                 # The camera looks along -z of its own space.
                 scene.camera.rotation_euler = (math.pi / 2 + e, 0, a - math.pi / 2)
                 bpy.ops.render.render(write_still=True)
-                print(f"sky {sun} {turn} {elevation} {azimuth} " + " ".join(f"{v:.6f}" for v in pixels(path)), flush=True)
+                words = " ".join(str(v) for v in (*values, elevation, azimuth))
+                print(f"sky {words} " + " ".join(f"{v:.6f}" for v in pixels(path)), flush=True)
 
 main()
 sys.stdout.flush()

@@ -9,10 +9,11 @@ use crate::kernel::bsdf::fresnel::{Fresnel, dielectric, f0_of};
 use crate::kernel::bsdf::ggx::Ggx;
 use crate::kernel::bsdf::microfacet::Microfacet;
 use crate::kernel::bsdf::sheen::Sheen;
+use crate::kernel::bsdf::thin_film::ThinFilm;
 use crate::kernel::bsdf::{Lobe, LobeKind, LobeSet, albedo};
 use crate::math::{Rgb, Vec3};
-use crate::scene::input::{NormalInput, TangentInput};
-use crate::scene::shader::{Closure, Distribution, MixFactor};
+use crate::scene::input::{NormalInput, Scalar, TangentInput};
+use crate::scene::shader::{Closure, Distribution, MixFactor, SubsurfaceMethod};
 
 /// Weights below this are nothing.
 pub(super) const CUTOFF: f32 = 1e-5;
@@ -28,8 +29,28 @@ pub struct Subsurface {
     pub radius: Rgb,
     /// Of the walk's scattering.
     pub anisotropy: f32,
+    /// Of the surface that light is bent by where it enters.
+    pub entry: Entry,
     /// Where it enters and how it leaves.
     pub normal: Vec3,
+}
+
+/// How light enters a body: bent about the normals of facets.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Index of the body, 1.01 at least. Source: Cycles (measured).
+    pub eta: f32,
+    /// Width of the facets.
+    pub width: f32,
+    /// Skin: half of the light enters from all sides, and the radius is how far light comes on the whole rather than between two steps.
+    pub skin: bool,
+}
+
+impl Entry {
+    /// Of a body of index `ior` and a surface of facets of a width.
+    pub fn new(method: SubsurfaceMethod, ior: f32, width: f32) -> Self {
+        Self { eta: ior.max(1.01), width: width.clamp(0.0, 1.0), skin: method == SubsurfaceMethod::RandomWalkSkin }
+    }
 }
 
 /// What a shader does at a hit.
@@ -256,10 +277,13 @@ impl Builder<'_, '_> {
                 let kind = LobeKind::Microfacet(Microfacet { ggx, fresnel: Fresnel::Mirror, refracts: false });
                 self.push(weight * color * gain, 1.0, frame, kind, is_bent);
             }
-            Closure::Glass { distribution, color, roughness, ior, normal } => {
+            Closure::Conductor(c) => self.conductor(c, weight),
+            Closure::Glass { distribution, color, roughness, ior, film_thickness, film_ior, normal } => {
                 let color = s.color(color).max(Vec3::ZERO);
                 let tint = [if self.view.reflective { color } else { Vec3::ZERO }, if self.view.refractive { color } else { Vec3::ZERO }];
-                self.glass(*distribution, weight, tint, Vec3::ONE, s.scalar(roughness), s.scalar(ior), normal.as_deref());
+                let ior = s.scalar(ior).max(1e-5);
+                let film = self.film(film_thickness, film_ior, ior);
+                self.glass(*distribution, weight, tint, Vec3::ONE, s.scalar(roughness), ior, film, normal.as_deref());
             }
             Closure::Refraction { color, roughness, ior, normal, .. } => {
                 if !self.view.refractive {
@@ -272,11 +296,13 @@ impl Builder<'_, '_> {
                 let m = Microfacet { ggx: Ggx::isotropic(rough * rough), fresnel: Fresnel::Clear { eta }, refracts: true };
                 self.push(weight * s.color(color).max(Vec3::ZERO), 1.0, Frame::about(n), LobeKind::Microfacet(m), is_bent);
             }
-            Closure::Subsurface { color, radius, scale, anisotropy, normal, .. } => {
+            Closure::Subsurface { method, color, radius, scale, ior, anisotropy, roughness, normal } => {
                 let (n, _) = s.bent_normal(normal.as_deref());
                 let color = s.color(color).max(Vec3::ZERO);
                 let radius = s.color(radius) * s.scalar(scale);
-                self.subsurface(weight * color, color, radius, s.scalar(anisotropy), n);
+                // The roughness of this node is the width itself. Source: Cycles (measured).
+                let entry = Entry::new(*method, s.scalar(ior), s.scalar(roughness));
+                self.subsurface(weight * color, color, radius, s.scalar(anisotropy), entry, n);
             }
             Closure::Hair(h) => self.hair(h, weight),
         }
@@ -344,7 +370,15 @@ impl Builder<'_, '_> {
         sheen.albedo
     }
 
+    /// The film on a body of index `ior`, as seen from the viewer's side.
+    pub(super) fn film(&self, thickness: &Scalar, film_ior: &Scalar, ior: f32) -> Option<ThinFilm> {
+        let nanometres = self.surface.scalar(thickness);
+        let outside = if self.surface.backfacing { ior } else { 1.0 };
+        (nanometres > 0.1).then(|| ThinFilm { nanometres, ior: self.surface.scalar(film_ior).max(1e-5) / outside })
+    }
+
     /// Reflection and refraction; `tint` of the two, `f0_tint` of the reflectance along the normal.
+    #[expect(clippy::too_many_arguments, reason = "the sockets of two nodes")]
     pub(super) fn glass(
         &mut self,
         d: Distribution,
@@ -353,24 +387,25 @@ impl Builder<'_, '_> {
         f0_tint: Rgb,
         roughness: f32,
         ior: f32,
+        film: Option<ThinFilm>,
         n: Option<&NormalInput>,
     ) {
         if tint[0].max_element() <= 0.0 && tint[1].max_element() <= 0.0 {
             return;
         }
         let rough = roughness.clamp(0.0, 1.0);
-        let ior = ior.max(1e-5);
         let eta = if self.surface.backfacing { 1.0 / ior } else { ior };
         let (n, is_bent) = self.mirror_normal(n);
         let cos = n.dot(self.surface.v).max(0.0);
-        let fresnel = Fresnel::Dielectric { eta, f0: f0_tint * f0_of(eta), tint };
+        let f0 = f0_tint * f0_of(eta);
+        let fresnel = film.map_or(Fresnel::Dielectric { eta, f0, tint }, |film| Fresnel::Film { film, eta, f0, tint });
         let gain = if d == Distribution::MultiGgx { 1.0 / albedo::glass(eta, rough, cos).max(0.05) } else { 1.0 };
         let (r, t, _) = fresnel.eval(cos);
         let m = Microfacet { ggx: Ggx::isotropic(rough * rough), fresnel, refracts: true };
         self.push(weight * gain, mean(r + t), Frame::about(n), LobeKind::Microfacet(m), is_bent);
     }
 
-    pub(super) fn subsurface(&mut self, weight: Rgb, albedo: Rgb, radius: Rgb, anisotropy: f32, normal: Vec3) {
+    pub(super) fn subsurface(&mut self, weight: Rgb, albedo: Rgb, radius: Rgb, anisotropy: f32, entry: Entry, normal: Vec3) {
         // Source: Cycles' least radius, 1e-8.
         let walks = radius.map(|r| f32::from(self.view.below && r >= 1e-8));
         let flat = weight * (Vec3::ONE - walks);
@@ -379,7 +414,7 @@ impl Builder<'_, '_> {
         }
         let weight = weight * walks;
         if weight.max_element() > CUTOFF {
-            self.out.subsurface = Some(Subsurface { weight, albedo, radius, anisotropy: anisotropy.clamp(0.0, 0.9), normal });
+            self.out.subsurface = Some(Subsurface { weight, albedo, radius, anisotropy: anisotropy.clamp(0.0, 0.9), entry, normal });
         }
     }
 }

@@ -177,22 +177,10 @@ pub fn left_out(scene: &crate::compile::CompiledScene) -> Vec<(&'static str, &'s
     note(f.normals && !t.layers.is_empty(), "path-bumps", "path tracing: bumps of POV-Ray's textures are left out");
     note(f.media || f.fog, "path-media", "path tracing: POV-Ray's media, fog and fading interiors are left out");
     note(f.photons, "path-photons", "path tracing: the photons block is left out; paths find caustics themselves");
-    let shaders = || t.principled.iter().filter_map(|p| p.shader.as_ref());
-    note(shaders().any(|s| s.surface.as_ref().is_some_and(has_skin)), "path-skin", "path tracing: light enters skin diffusely");
     note(scene.environment.as_ref().is_some_and(is_multiple), "path-sky", "path tracing: the sky scatters light once");
     list
 }
 
 fn is_multiple(e: &crate::scene::Environment) -> bool {
     matches!(&e.source, crate::scene::environment::EnvironmentSource::Sky(s) if s.multiple_scattering)
-}
-
-fn has_skin(c: &crate::scene::shader::Closure) -> bool {
-    use crate::scene::shader::{Closure, SubsurfaceMethod};
-    match c {
-        Closure::Principled(p) => p.subsurface_method == SubsurfaceMethod::RandomWalkSkin && p.subsurface_weight.as_constant() != Some(0.0),
-        Closure::Subsurface { method, .. } => *method == SubsurfaceMethod::RandomWalkSkin,
-        Closure::Mix { a, b, .. } | Closure::Add(a, b) => has_skin(a) || has_skin(b),
-        _ => false,
-    }
 }

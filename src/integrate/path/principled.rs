@@ -1,16 +1,17 @@
 //! The Principled closure of Blender 4.5 as lobes: alpha, sheen, coat, emission, metal, transmission, specular, subsurface, diffuse; each
 //! layer takes its share of the light and hands the rest on. And hair.
 
-use super::closure::{Builder, CUTOFF, mean};
+use super::closure::{Builder, CUTOFF, Entry, mean};
 use crate::kernel::bsdf::frame::Frame;
-use crate::kernel::bsdf::fresnel::{Fresnel, f0_of, f82_dip, highlight_of};
+use crate::kernel::bsdf::fresnel::{Fresnel, conductor_mean, f0_of, f82_dip, f82_mean, highlight_of};
 use crate::kernel::bsdf::ggx::Ggx;
 use crate::kernel::bsdf::hair::{Hair, HairParams, sigma_of_melanin, sigma_of_reflectance};
 use crate::kernel::bsdf::microfacet::Microfacet;
 use crate::kernel::bsdf::thin_film::ThinFilm;
 use crate::kernel::bsdf::{LobeKind, albedo};
 use crate::math::{Rgb, Vec3};
-use crate::scene::shader::{HairClosure, HairColor, PrincipledClosure};
+use crate::scene::input::{Scalar, TangentInput};
+use crate::scene::shader::{ConductorClosure, HairClosure, HairColor, PrincipledClosure, SubsurfaceMethod};
 
 /// What a layer of albedo `layer` (relative to light of weight `weight`) leaves for those below.
 fn below(weight: Rgb, layer: Rgb) -> Rgb {
@@ -69,7 +70,8 @@ impl Builder<'_, '_> {
                 self.thin_wall(p, weight * transmission, base, roughness, ior, mirror_n);
             } else {
                 let through = if self.view.refractive { base.map(f32::sqrt) } else { Vec3::ZERO };
-                self.glass(p.distribution, weight * transmission, [reflect, through], tint, roughness, ior, p.normal.as_deref());
+                let film = self.film(&p.thin_film_thickness, &p.thin_film_ior, ior);
+                self.glass(p.distribution, weight * transmission, [reflect, through], tint, roughness, ior, film, p.normal.as_deref());
             }
             weight *= 1.0 - transmission;
         }
@@ -82,7 +84,11 @@ impl Builder<'_, '_> {
         let subsurface = unit(s.scalar(&p.subsurface_weight));
         if subsurface > CUTOFF {
             let radius = s.color(&p.subsurface_radius).max(Vec3::ZERO) * s.scalar(&p.subsurface_scale);
-            self.subsurface(weight * base * subsurface, base, radius, s.scalar(&p.subsurface_anisotropy), n);
+            // The index is that of the highlight, which its level moves; skin has one of its own, and is rough. Source: Cycles (measured).
+            let skin = p.subsurface_method == SubsurfaceMethod::RandomWalkSkin;
+            let index = if skin { s.scalar(&p.subsurface_ior) } else { highlight_of(ior, s.scalar(&p.specular_ior_level).max(0.0)).0 };
+            let entry = Entry::new(p.subsurface_method, index, if skin { 1.0 } else { roughness.clamp(0.0, 1.0).powi(2) });
+            self.subsurface(weight * base * subsurface, base, radius, s.scalar(&p.subsurface_anisotropy), entry, n);
             weight *= 1.0 - subsurface;
         }
         self.diffuse_about(weight, base, s.scalar(&p.diffuse_roughness), n, is_bent);
@@ -113,28 +119,45 @@ impl Builder<'_, '_> {
         weight
     }
 
+    /// Facets of a Principled lobe, the frame they stand in, and their roughness on the whole.
     fn widths(&self, p: &PrincipledClosure, roughness: f32, n: Vec3) -> (Ggx, Frame, f32) {
+        self.stretched(roughness, self.surface.scalar(&p.anisotropic), p.tangent, &p.anisotropic_rotation, n)
+    }
+
+    /// The same along a tangent turned by `rotation`.
+    fn stretched(&self, roughness: f32, anisotropic: f32, tangent: TangentInput, rotation: &Scalar, n: Vec3) -> (Ggx, Frame, f32) {
         let rough = roughness.clamp(0.0, 1.0);
         let width = rough * rough;
-        let anisotropic = self.surface.scalar(&p.anisotropic).clamp(0.0, 1.0);
         if anisotropic <= 0.0 {
             return (Ggx::isotropic(width), Frame::about(n), rough);
         }
-        let aspect = (1.0 - 0.9 * anisotropic).sqrt();
-        let turns = self.surface.scalar(&p.anisotropic_rotation);
+        let aspect = (1.0 - 0.9 * anisotropic.min(1.0)).sqrt();
         // Widths end at 1. Source: Cycles (measured).
         let ggx = Ggx { ax: (width / aspect).min(1.0), ay: width * aspect };
-        (ggx, self.turned_frame(n, p.tangent, turns), (ggx.ax * ggx.ay).sqrt().sqrt())
+        (ggx, self.turned_frame(n, tangent, self.surface.scalar(rotation)), (ggx.ax * ggx.ay).sqrt().sqrt())
     }
 
     fn metal(&mut self, p: &PrincipledClosure, weight: Rgb, f0: Rgb, tint: Rgb, roughness: f32, n: Vec3, is_bent: bool) {
         let (ggx, frame, rough) = self.widths(p, roughness, n);
         let dip = f82_dip(f0, tint);
         let fresnel = Fresnel::F82 { f0, dip };
-        // Means over the hemisphere of Schlick's curve and of the dip: 2 ∫ (1-c)^5 c = 1/21, 2 ∫ c (1-c)^6 c = 1/126.
-        let mean_f = (f0 + (Vec3::ONE - f0) / 21.0 - dip / 126.0).clamp(Vec3::ZERO, Vec3::ONE);
-        let gain = self.compensation(p.distribution, rough, n, mean_f);
+        let gain = self.compensation(p.distribution, rough, n, f82_mean(f0, dip));
         let (f, ..) = fresnel.eval(n.dot(self.surface.v).clamp(0.0, 1.0));
+        self.push(weight * gain, mean(f), frame, LobeKind::Microfacet(Microfacet { ggx, fresnel, refracts: false }), is_bent);
+    }
+
+    /// A metal by index and extinction.
+    pub(super) fn conductor(&mut self, c: &ConductorClosure, weight: Rgb) {
+        let s = self.surface;
+        if !self.view.reflective {
+            return;
+        }
+        let (index, extinction) = (s.color(&c.ior).max(Vec3::ZERO), s.color(&c.extinction).max(Vec3::ZERO));
+        let (n, is_bent) = self.mirror_normal(c.normal.as_deref());
+        let (ggx, frame, rough) = self.stretched(s.scalar(&c.roughness), s.scalar(&c.anisotropy), TangentInput::Object, &c.rotation, n);
+        let fresnel = Fresnel::Conductor { n: index, k: extinction };
+        let gain = self.compensation(c.distribution, rough, n, conductor_mean(index, extinction));
+        let (f, ..) = fresnel.eval(n.dot(s.v).clamp(0.0, 1.0));
         self.push(weight * gain, mean(f), frame, LobeKind::Microfacet(Microfacet { ggx, fresnel, refracts: false }), is_bent);
     }
 
@@ -154,7 +177,7 @@ impl Builder<'_, '_> {
         // Of films too: their mean is not known, and Cycles measures so.
         let mean_f = f0_tinted + (Vec3::ONE - f0_tinted) * albedo::dielectric_mean(eta);
         let (fresnel, f) = if thickness > 0.1 {
-            let film = ThinFilm { nanometres: thickness, ior: s.scalar(&p.thin_film_ior).max(1e-5), outside: 1.0 };
+            let film = ThinFilm { nanometres: thickness, ior: s.scalar(&p.thin_film_ior).max(1e-5) };
             let fresnel = Fresnel::Film { film, eta, f0: f0_tinted, tint: tints };
             let f = fresnel.eval(cos).0;
             (fresnel, f)

@@ -1,15 +1,17 @@
-//! Random walks below a surface: light goes straight in, scatters inside the object, and leaves where the walk meets its surface again.
+//! Random walks below a surface: light is bent as it enters, scatters inside the object, and leaves where the walk meets its surface again.
 //!
-//! Source: Chiang, Kutz and Burley 2016; the colour of a body from that of its parts by van de Hulst's formula for a half space lit from
-//! all sides (van de Hulst 1980, vol. 2), solved for the single-scattering albedo.
+//! Source: Chiang, Kutz and Burley 2016; the bend at rough surfaces by Walter et al. 2007; the colour of a body from that of its parts
+//! measured, see [`single_scattering`].
 
-use super::closure::Subsurface;
+use super::closure::{Entry, Subsurface};
 use super::passes::Shares;
 use super::sampler::Set;
 use super::shadow::NEAR;
 use super::surface::Surface;
 use super::trace::{Path, PathTracer};
-use crate::kernel::bsdf::frame::Frame;
+use crate::kernel::bsdf::frame::{Frame, cosine_hemisphere};
+use crate::kernel::bsdf::fresnel::dielectric;
+use crate::kernel::bsdf::ggx::Ggx;
 use crate::kernel::bsdf::{Event, Lobe, LobeKind, LobeSet};
 use crate::math::sobol::Pcg;
 use crate::math::{DVec3, Ray, Vec3};
@@ -17,14 +19,54 @@ use crate::math::{DVec3, Ray, Vec3};
 /// Most steps of a walk. Source: Cycles.
 const MAX_STEPS: u32 = 256;
 
-/// Single-scattering albedo of a body whose surface reflects `albedo` of light from everywhere, by channel, for mean cosine `g`.
+/// What a half space without absorption reflects of light from everywhere within [`MAX_STEPS`]: whiter there is none.
+const WHITEST: f32 = 0.9185;
+/// Coefficients of the logarithm of (1 - a) / (WHITEST - albedo), a: single-scattering albedo.
+const ABSORPTION: [f32; 6] = [-3.285_523, 6.084_287, -9.058_01, 14.451_427, -12.053_876, 4.291_786];
+
+/// Single-scattering albedo of a body that shall be seen with `albedo`, by channel, for mean cosine `g`.
+///
+/// Source: Cycles, whose half spaces lit along the normal were measured at 12 albedos and turned into single-scattering albedos by a count of the
+/// light that comes back after each step (fitted within 0.1 % of the reflection). It is what makes a half space of no more than
+/// `MAX_STEPS` steps reflect 1.011 times `albedo` of light from everywhere. Mean cosines by similarity: (1 - a) / (1 - g a) stays.
 fn single_scattering(albedo: f32, g: f32) -> f32 {
-    let r = albedo.clamp(0.0, 0.9999);
-    // R = (1 - s)(1 - 0.139 s) / (1 + 1.17 s), s² = (1 - a) / (1 - a g).
-    let b = 1.139 + 1.17 * r;
-    let s = (b - (b * b - 4.0 * 0.139 * (1.0 - r)).max(0.0).sqrt()) / (2.0 * 0.139);
-    let s_sq = s * s;
+    let x = (WHITEST - albedo.max(0.0)).max(0.0);
+    let s_sq = (x * ABSORPTION.iter().rev().fold(0.0, |sum, c| sum * x + c).exp()).min(1.0);
     ((1.0 - s_sq) / (1.0 - g * s_sq)).clamp(0.0, 0.999_999)
+}
+
+/// Mean free path of skin of a colour, in units of its radius, for index `eta`: the dipole's colour solved for the root of 3 (1 - a).
+/// Source: Jensen, Marschner, Levoy and Hanrahan 2001, equation 15; that Cycles has it, measured by what slabs let through.
+fn skin_step(albedo: f32, eta: f32) -> f32 {
+    let inner = -1.44 / (eta * eta) + 0.71 / eta + 0.668 + 0.0636 * eta;
+    let edge = 4.0 / 3.0 * (1.0 + inner) / (1.0 - inner);
+    let (mut low, mut high) = (0.0f32, 3.0f32.sqrt());
+    for _ in 0..16 {
+        let s = 0.5 * (low + high);
+        let color = 0.5 * (1.0 - s * s / 3.0) * (1.0 + (-edge * s).exp()) * (-s).exp();
+        if color > albedo {
+            low = s;
+        } else {
+            high = s;
+        }
+    }
+    high
+}
+
+/// A direction into the body for light that goes against `v`, unit, above the surface; z is the normal. `None`: it does not enter.
+/// Draws three numbers.
+fn entry_direction(entry: &Entry, v: Vec3, rng: &mut Pcg) -> Option<Vec3> {
+    let (u, w, pick) = (rng.draw(), rng.draw(), rng.draw());
+    // Source: Blender's manual names a mix, Cycles' albedos are those of one half each (measured).
+    if entry.skin && pick < 0.5 {
+        return Some(-cosine_hemisphere(u, w));
+    }
+    let ggx = Ggx::isotropic(entry.width);
+    let h = if ggx.is_singular() { Vec3::Z } else { ggx.sample_visible(v, u, w) };
+    let vh = v.dot(h);
+    let (_, t) = dielectric(vh, entry.eta);
+    let l = h * (vh / entry.eta + t) - v / entry.eta;
+    (l.z < 0.0).then_some(l)
 }
 
 impl PathTracer<'_> {
@@ -34,17 +76,22 @@ impl PathTracer<'_> {
         let mut rng = Pcg::new(path.sampler.stream(path.step) ^ 0x2545_f491);
         let g = s.anisotropy;
         let albedo = s.albedo.map(|a| single_scattering(a, g));
-        // Mean free paths are those of isotropic scattering; channels that do not walk have weight 0. Source: Cycles divides the radius of
-        // this method by 4π so that it looks like its older profiles.
-        let extinction = s.radius.map(|r| 4.0 * std::f32::consts::PI / r.max(1e-6)) / (1.0 - g);
+        // Mean free paths are those of isotropic scattering; channels that do not walk have weight 0. Source of the 4π, with which the method looks
+        // like Blender's older profiles: Cycles (what slabs let through, measured).
+        let steps = if s.entry.skin { s.albedo.map(|a| 1.0 / skin_step(a, s.entry.eta)) } else { Vec3::splat(4.0 * std::f32::consts::PI) };
+        let extinction = steps / s.radius.max(Vec3::splat(1e-6)) / (1.0 - g);
         let mut throughput = Vec3::new(
             if s.albedo.x > 0.0 { s.weight.x / s.albedo.x } else { 0.0 },
             if s.albedo.y > 0.0 { s.weight.y / s.albedo.y } else { 0.0 },
             if s.albedo.z > 0.0 { s.weight.z / s.albedo.z } else { 0.0 },
         );
-        // Light of the viewer's direction goes straight in. Source: Cycles' walk in a half space gives more the flatter the view, whatever the
-        // roughness and the index (measured); drawn by the cosine it would give the same to all.
-        let mut dir = -surface.v.as_dvec3();
+        let frame = Frame::about(s.normal);
+        let v = frame.to_local(surface.v);
+        if v.z <= 0.0 {
+            return false;
+        }
+        let Some(l) = entry_direction(&s.entry, v, &mut rng) else { return false };
+        let mut dir = frame.to_world(l).as_dvec3();
         if dir.dot(surface.flat) >= 0.0 {
             return false;
         }
@@ -129,14 +176,15 @@ mod tests {
     #[test]
     fn a_half_space_has_the_albedo_that_was_asked_for() {
         let mut rng = Pcg::new(1);
-        for want in [0.2, 0.5, 0.8] {
+        // Cycles' is 1.011 times that.
+        for want in [0.2, 0.5, 0.8, 0.9] {
             let a = single_scattering(want, 0.0);
-            let n = 40_000;
+            let n = 100_000;
             let mut sum = 0.0;
             for _ in 0..n {
                 // Depth below the surface, cosine of the way down, weight.
                 let (mut z, mut cos, mut w) = (0.0f32, rng.draw().sqrt(), 1.0f32);
-                loop {
+                for _ in 0..=MAX_STEPS {
                     z += -(1.0 - rng.draw()).ln() * cos;
                     if z <= 0.0 {
                         sum += w;
@@ -150,7 +198,7 @@ mod tests {
                 }
             }
             let got = sum / n as f32;
-            assert!((got - want).abs() < 0.012, "{got}, not {want}");
+            assert!((got - 1.011 * want).abs() < 5e-3, "{got}, not {want}");
         }
     }
 }

@@ -32,6 +32,29 @@ pub fn eta_of(f0: f32) -> f32 {
     (1.0 + s) / (1.0 - s)
 }
 
+/// Reflectance of a metal of index `n` and extinction `k`, by channel: the usual approximation for n² + k² well above 1, which is Cycles' too
+/// (measured; exact values are up to 0.005 lower). Source: Lazányi and Szirmay-Kalos 2005, equations 3 and 4.
+pub fn conductor(cos: f32, n: Rgb, k: Rgb) -> Rgb {
+    let (both, twice, cos_sq) = (n * n + k * k, 2.0 * cos * n, cos * cos);
+    let s = (both + cos_sq - twice) / (both + cos_sq + twice);
+    let p = (both * cos_sq + 1.0 - twice) / (both * cos_sq + 1.0 + twice);
+    0.5 * (s + p)
+}
+
+/// 2 times the integral of a metal's reflectance times the cosine: that of the F82 curve with the same ends and the same dip, as in Cycles
+/// (measured by what energy it puts back at roughness 1).
+pub fn conductor_mean(n: Rgb, k: Rgb) -> Rgb {
+    let f0 = conductor(1.0, n, k);
+    let c = 1.0f32 / 7.0;
+    let schlick = f0 + (Vec3::ONE - f0) * (1.0 - c).powi(5);
+    f82_mean(f0, (schlick - conductor(c, n, k)) / (c * (1.0 - c).powi(6)))
+}
+
+/// 2 times the integral of the F82 curve times the cosine: 2 ∫ (1-c)^5 c = 1/21, 2 ∫ c (1-c)^6 c = 1/126.
+pub fn f82_mean(f0: Rgb, dip: Rgb) -> Rgb {
+    (f0 + (Vec3::ONE - f0) / 21.0 - dip / 126.0).clamp(Vec3::ZERO, Vec3::ONE)
+}
+
 /// Index and reflectance along the normal of a Principled highlight: its index, with the reflectance times twice `level` (Cycles' "IOR level").
 pub fn highlight_of(ior: f32, level: f32) -> (f32, f32) {
     if level == 0.5 {
@@ -79,6 +102,13 @@ pub enum Fresnel {
         f0: Rgb,
         /// Factor of the dip, see [`f82_dip`].
         dip: Rgb,
+    },
+    /// A metal by the Fresnel equations, see [`conductor`].
+    Conductor {
+        /// Index.
+        n: Rgb,
+        /// Extinction.
+        k: Rgb,
     },
     /// A film on a dielectric.
     Film {
@@ -132,6 +162,7 @@ impl Fresnel {
                 let r = *f0 + (Vec3::ONE - *f0) * p5 - *dip * (cos * p5 * m);
                 (r.clamp(Vec3::ZERO, Vec3::ONE), Vec3::ZERO, 0.0)
             }
+            Self::Conductor { n, k } => (conductor(cos, *n, *k), Vec3::ZERO, 0.0),
             Self::Film { film, eta, f0, tint } => {
                 let (_, t) = dielectric(cos, *eta);
                 if t == 0.0 {
@@ -149,7 +180,7 @@ impl Fresnel {
     #[inline]
     pub fn eta(&self) -> f32 {
         match self {
-            Self::Mirror | Self::F82 { .. } => 1.0,
+            Self::Mirror | Self::F82 { .. } | Self::Conductor { .. } => 1.0,
             Self::Clear { eta } | Self::Dielectric { eta, .. } | Self::Film { eta, .. } => *eta,
         }
     }
@@ -178,5 +209,28 @@ mod tests {
         assert!((f.eval(1.0).0 - f0).length() < 1e-6);
         let schlick = f0 + (Vec3::ONE - f0) * (6.0f32 / 7.0).powi(5);
         assert!((f.eval(1.0 / 7.0).0 - schlick * tint).length() < 1e-5);
+    }
+
+    #[test]
+    fn metals_are_known_at_both_ends() {
+        // Source: ((n - 1)² + k²) / ((n + 1)² + k²) along the normal; all is reflected at the rim.
+        let (n, k) = (Vec3::new(0.143, 0.374, 1.442), Vec3::new(3.983, 2.385, 1.603));
+        let along = ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k);
+        assert!((conductor(1.0, n, k) - along).length() < 1e-5);
+        assert!((conductor(0.0, n, k) - Vec3::ONE).length() < 1e-5);
+    }
+
+    #[test]
+    fn metals_reflect_what_cycles_measures() {
+        // Source: Cycles 4.5.15, a mirror of the Metallic closure in a white room.
+        let (n, k) = (Vec3::new(0.27, 0.68, 1.32), Vec3::new(3.6, 2.6, 2.3));
+        for (degrees, want) in
+            [(5.0f32, [0.925_90, 0.716_15, 0.505_27]), (60.0, [0.920_45, 0.721_50, 0.522_87]), (80.0, [0.929_81, 0.806_03, 0.664_61])]
+        {
+            let got = conductor(degrees.to_radians().cos(), n, k);
+            assert!((got - Vec3::from_array(want)).abs().max_element() < 1e-4, "{degrees} degrees: {got}");
+        }
+        // The same at roughness 1 with and without the light of many bounces gives this mean.
+        assert!((conductor_mean(n, k) - Vec3::new(0.926, 0.727, 0.524)).abs().max_element() < 2e-3, "{}", conductor_mean(n, k));
     }
 }

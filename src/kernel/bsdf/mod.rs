@@ -297,10 +297,11 @@ impl LobeSet {
     }
 
     /// Value without the weight, and density, where the lobe's normal is not the flat face's: of microfacets, light on the other side of the
-    /// face than of the lobe's own plane is lost, but for the widest mirror lobes: of what they send below the face, the share
-    /// [`Lobe::flips`] is mirrored back up. Diffuse lobes lose such light only where it is met by chance ([`LobeSet::sample_lobe`]), not from
-    /// lamps that are asked for. Source: what Cycles does with one sample, measured (`tests/measured/cycles_bent.txt`, suite `path/diffuse`).
-    fn eval_lobe(&self, lobe: &Lobe, v: Vec3, l: Vec3) -> (Rgb, f32) {
+    /// face than of the lobe's own plane is lost. Light that is `met` by chance rather than asked for has exceptions: of what the widest mirror
+    /// lobes send below the face, the share [`Lobe::flips`] is mirrored back up, and diffuse lobes lose such light too
+    /// ([`LobeSet::sample_lobe`]). Source: what Cycles does with one sample, measured (`tests/measured/cycles_bent.txt`, suite `path/diffuse`;
+    /// under suns its reflection is GGX and nothing more).
+    fn eval_lobe(&self, lobe: &Lobe, v: Vec3, l: Vec3, met: bool) -> (Rgb, f32) {
         if lobe.is_flat(self.flat) || lobe.is_diffuse() {
             return lobe.eval(v, l);
         }
@@ -309,7 +310,7 @@ impl LobeSet {
             return (Vec3::ZERO, 0.0);
         }
         let (mut f, mut p) = lobe.eval(v, l);
-        let flips = lobe.flips();
+        let flips = if met { lobe.flips() } else { 0.0 };
         let mirrored = l - self.flat * (2.0 * height);
         if flips > 0.0 && height > 0.0 && mirrored.dot(lobe.frame.n) > 0.0 {
             let (more, pdf) = lobe.eval(v, mirrored);
@@ -335,7 +336,7 @@ impl LobeSet {
             return Some(s);
         }
         let l = if is_lost { s.l - self.flat * (2.0 * height) } else { s.l };
-        let (value, pdf) = self.eval_lobe(lobe, v, l);
+        let (value, pdf) = self.eval_lobe(lobe, v, l, true);
         (pdf > 0.0).then_some(LocalSample { l, value, pdf, ..s })
     }
 
@@ -345,7 +346,7 @@ impl LobeSet {
 
     /// Value and density of a direction.
     pub fn eval(&self, v: Vec3, l: Vec3) -> (Rgb, f32) {
-        self.eval_but(v, l, usize::MAX)
+        self.eval_but(v, l, usize::MAX, false)
     }
 
     /// Value and density for a light that only some kinds of rays see; the density is that of all lobes.
@@ -356,7 +357,7 @@ impl LobeSet {
         }
         let (mut value, mut pdf) = (Vec3::ZERO, 0.0);
         for lobe in self.lobes() {
-            let (f, p) = self.eval_lobe(lobe, v, l);
+            let (f, p) = self.eval_lobe(lobe, v, l, false);
             pdf += p * lobe.chance;
             let kind = match lobe.event(l) {
                 Event::Diffuse => Visibility::DIFFUSE,
@@ -375,7 +376,7 @@ impl LobeSet {
     pub fn shares(&self, v: Vec3, l: Vec3) -> [Rgb; 2] {
         let (mut all, mut diffuse, mut glossy) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
         for lobe in self.lobes() {
-            let f = self.eval_lobe(lobe, v, l).0 * lobe.weight * self.shade(lobe, l);
+            let f = self.eval_lobe(lobe, v, l, false).0 * lobe.weight * self.shade(lobe, l);
             all += f;
             if lobe.is_diffuse() {
                 diffuse += f;
@@ -419,10 +420,10 @@ impl LobeSet {
         })
     }
 
-    fn eval_but(&self, v: Vec3, l: Vec3, skip: usize) -> (Rgb, f32) {
+    fn eval_but(&self, v: Vec3, l: Vec3, skip: usize, met: bool) -> (Rgb, f32) {
         let (mut value, mut pdf) = (Vec3::ZERO, 0.0);
         for (_, lobe) in self.lobes().enumerate().filter(|(k, _)| *k != skip) {
-            let (f, p) = self.eval_lobe(lobe, v, l);
+            let (f, p) = self.eval_lobe(lobe, v, l, met);
             value += f * lobe.weight * self.shade(lobe, l);
             pdf += p * lobe.chance;
         }
@@ -447,7 +448,7 @@ impl LobeSet {
         let s = self.sample_lobe(lobe, v, [u[0], u[1], u[2]])?;
         let (mut value, mut pdf) = (s.value * lobe.weight * self.shade(lobe, s.l), s.pdf * lobe.chance / self.total);
         if self.lobes.len() > 1 {
-            let (f, p) = self.eval_but(v, s.l, ix);
+            let (f, p) = self.eval_but(v, s.l, ix, true);
             value += f;
             pdf += p;
         }

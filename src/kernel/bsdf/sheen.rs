@@ -1,10 +1,32 @@
 //! Sheen of microfibres: a linearly transformed cosine per viewing angle and roughness. In the frame of the surface, values with the cosine.
 //!
-//! Source: Zeltner, Burley and Chiang 2022; rational fits of its coefficients as published with MaterialX 1.39.
+//! Source: Zeltner, Burley and Chiang 2022; its coefficients from a table (`sheen.txt`, measured), mixed linearly. Twin: `shaders/path/sheen.wesl`.
 
 use super::frame::cosine_hemisphere;
 use crate::math::Vec3;
 use std::f32::consts::PI;
+use std::sync::LazyLock;
+
+/// Cosines of the table, and roughnesses: even, from 0 to 1.
+const SIDE: usize = 32;
+
+static TABLE: LazyLock<Vec<Vec3>> = LazyLock::new(|| {
+    let lines = include_str!("sheen.txt").lines().filter(|l| !l.starts_with('#'));
+    let number = |w: Option<&str>| w.and_then(|w| w.parse().ok()).expect("three numbers a line");
+    let table: Vec<Vec3> = lines
+        .map(|l| {
+            let mut words = l.split(' ');
+            Vec3::new(number(words.next()), number(words.next()), number(words.next()))
+        })
+        .collect();
+    assert_eq!(table.len(), SIDE * SIDE, "sheen.txt has a line an entry");
+    table
+});
+
+/// The transform's a and b and the albedo by cosine of the viewer, then roughness, for other machines.
+pub fn table() -> &'static [Vec3] {
+    &TABLE
+}
 
 /// A lobe for one viewer.
 #[derive(Clone, Copy, Debug)]
@@ -21,14 +43,11 @@ pub struct Sheen {
 impl Sheen {
     /// `v` is the viewer, above the surface.
     pub fn new(roughness: f32, v: Vec3) -> Self {
-        let (c, r) = (v.z.clamp(0.0, 1.0), roughness.clamp(0.01, 1.0));
-        let a = (2.58126 * c + 0.813703 * r) * r / (1.0 + 0.310327 * c * c + 2.60994 * c * r);
-        let b = (1.0 - c).sqrt() * (r - 1.0) * r * r * r / (0.0000254053 + 1.71228 * c - 1.71506 * c * r + 1.34174 * r * r);
-        let s = r * (0.0206607 + 1.58491 * r) / (0.0379424 + r * (1.32227 + r));
-        let m = r * (-0.193854 + r * (-1.14885 + r * (1.7932 - 0.95943 * r * r))) / (0.046391 + r);
-        let o = r * (0.000654023 + (-0.0207818 + 0.119681 * r) * r) / (1.26264 + r * (-1.92021 + r));
-        let k = (c - m) / s;
-        let albedo = ((-0.5 * k * k).exp() / (s * (2.0 * PI).sqrt()) + o).clamp(0.0, 1.0);
+        let steps = (SIDE - 1) as f32;
+        let (c, r) = (v.z.clamp(0.0, 1.0) * steps, roughness.clamp(0.0, 1.0) * steps);
+        let (i, j) = ((c as usize).min(SIDE - 2), (r as usize).min(SIDE - 2));
+        let along = |k: usize| TABLE[k * SIDE + j].lerp(TABLE[k * SIDE + j + 1], r - j as f32);
+        let [a, b, albedo] = along(i).lerp(along(i + 1), c - i as f32).to_array();
         let len = v.x.hypot(v.y);
         Self { a, b, albedo, x: if len > 0.0 { (v.x / len, v.y / len) } else { (1.0, 0.0) } }
     }

@@ -16,7 +16,7 @@ use crate::backend::BackendError;
 use crate::compile::CompiledScene;
 use crate::integrate::path::PathPlan;
 use crate::integrate::path::lights::triangle;
-use crate::kernel::bsdf::MAX_LOBES;
+use crate::kernel::bsdf::{MAX_LOBES, sheen};
 use crate::math::Bounds;
 use crate::math::sobol::direction_table;
 use crate::scene::Projection;
@@ -25,7 +25,7 @@ use std::collections::HashMap;
 /// Rectangles seen smaller than that are drawn by area: the sum of their angles has few digits at 32 bits.
 const LEAST_SOLID_ANGLE: f32 = triangle::LEAST_SOLID_ANGLE as f32;
 const LOBES: [&str; 6] = ["LAMBERT", "OREN_NAYAR", "TRANSLUCENT", "MICROFACET", "SHEEN", "HAIR"];
-const FRESNELS: [&str; 5] = ["MIRROR", "CLEAR", "DIELECTRIC", "F82", "FILM"];
+const FRESNELS: [&str; 6] = ["MIRROR", "CLEAR", "DIELECTRIC", "F82", "FILM", "CONDUCTOR"];
 
 /// Everything of a scene, encoded.
 pub(super) struct PathBuffers {
@@ -70,9 +70,13 @@ impl PathBuffers {
         (p.tree_low, p.tree_high) = outward(&Bounds { min: faces.low.as_dvec3(), max: faces.high.as_dvec3() });
         p.extent = faces.low.abs().max(faces.high.abs()).max_element();
         let mut quads: Vec<[u32; 4]> = direction_table().as_flattened().to_vec();
-        let nodes_at = quads.len() as u32;
+        let sheen_at = quads.len() as u32;
+        if e.features.contains("sheen") {
+            quads.extend(sheen::table().iter().map(|v| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), 0]));
+        }
+        let places = [sheen_at, quads.len() as u32];
         quads.extend(tree_quads(&plan.lights.tree));
-        let options = shader_options(scene, plan, kind, &e, room, &faces, nodes_at);
+        let options = shader_options(scene, plan, kind, &e, room, &faces, places);
         Ok(Self { params: p, faces, words: e.words, quads, texels: e.texels, options })
     }
 }
@@ -84,7 +88,7 @@ fn shader_options(
     e: &Encoder,
     room: Room,
     faces: &FaceTables,
-    nodes_at: u32,
+    places: [u32; 2],
 ) -> ShaderOptions {
     let mut o = ShaderOptions::default();
     let s = &plan.settings;
@@ -112,20 +116,21 @@ fn shader_options(
         ("path_rays", true),
     ];
     features.iter().for_each(|(name, holds)| o.feature_if(name, *holds));
-    name_constants(&mut o, room, nodes_at);
+    name_constants(&mut o, room, places);
     o.constant("UV_SETS", 1 + e.more_uvs);
     o.constant("MAX_BODIES", most_bodies(scene));
     choose_walk(&mut o, kind, 1, faces.tree.depth);
     o
 }
 
-/// Names of numbers that both languages share.
-fn name_constants(o: &mut ShaderOptions, room: Room, nodes_at: u32) {
+/// Names of numbers that both languages share; places among the quads of the sheen's table and of the light tree's nodes.
+fn name_constants(o: &mut ShaderOptions, room: Room, [sheen_at, nodes_at]: [u32; 2]) {
     let constants = [
         ("WORKGROUP", super::super::device::WORKGROUP),
         ("MAX_LOBES", room.lobes.clamp(1, MAX_LOBES as u32)),
         ("CLOSURE_STACK", room.stack.max(1)),
         ("MAX_CLOSURES", room.closures.max(1)),
+        ("SHEEN_AT", sheen_at),
         ("NODES_AT", nodes_at),
         ("SEES_ALL", 255),
         ("FACE_MATERIAL", face_bits::MATERIAL),
@@ -167,7 +172,7 @@ mod tests {
     /// The shader with these features is WGSL that validates.
     fn validates(features: &[&str]) -> Result<(), String> {
         let mut o = ShaderOptions::default();
-        name_constants(&mut o, Room { lobes: 3, stack: 2, closures: 3 }, 1024);
+        name_constants(&mut o, Room { lobes: 3, stack: 2, closures: 3 }, [1024, 2048]);
         o.constant("UV_SETS", 2u32);
         o.constant("MAX_BODIES", 3u32);
         choose_walk(&mut o, AccelKind::Bvh, 1, 20);
@@ -231,6 +236,8 @@ mod tests {
             &["principled", "sheen"],
             &["principled", "microfacets", "specular"],
             &["principled", "microfacets", "metal", "anisotropic"],
+            &["microfacets", "conductor"],
+            &["microfacets", "conductor", "anisotropic", "filter_glossy"],
             &["principled", "microfacets", "coat", "sheen", "oren_nayar", "principled_emission", "passes"],
             &["principled", "microfacets", "specular", "principled_glass", "refraction", "thin_film"],
             &[

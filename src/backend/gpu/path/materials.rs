@@ -11,7 +11,7 @@ use crate::kernel::bsdf::albedo::dielectric_mean;
 use crate::kernel::bsdf::fresnel::highlight_of;
 use crate::math::Vec3;
 use crate::scene::input::Scalar;
-use crate::scene::shader::{Closure, Distribution, HairColor, MixFactor, PrincipledClosure, Shader};
+use crate::scene::shader::{Closure, Distribution, HairColor, MixFactor, PrincipledClosure, Shader, SubsurfaceMethod};
 
 /// Words of the Principled closure: name and length.
 const PRINCIPLED: &[(&str, u32)] = &[
@@ -46,12 +46,14 @@ const PRINCIPLED: &[(&str, u32)] = &[
     ("SUBSURFACE_RADIUS", 4),
     ("SUBSURFACE_SCALE", 2),
     ("SUBSURFACE_ANISOTROPY", 2),
+    ("SUBSURFACE_IOR", 2),
+    ("SUBSURFACE_SKIN", 1),
     ("EMISSION_COLOR", 4),
     ("EMISSION_STRENGTH", 2),
     ("FILM_THICKNESS", 2),
     ("FILM_IOR", 2),
 ];
-const CLOSURES: [&str; 12] = [
+const CLOSURES: [&str; 13] = [
     "PRINCIPLED",
     "EMISSION",
     "TRANSPARENT",
@@ -64,6 +66,7 @@ const CLOSURES: [&str; 12] = [
     "HOLDOUT",
     "HAIR",
     "SUBSURFACE",
+    "CONDUCTOR",
 ];
 const HAIR_COLORS: [&str; 3] = ["ABSORPTION", "MELANIN", "REFLECTANCE"];
 const MIXES: [&str; 4] = ["SCALAR", "FRESNEL", "FACING", "BACK"];
@@ -280,13 +283,33 @@ impl Steps<'_> {
                 let head = [&[kind("GLOSSY")][..], &self.e.color(color)?, &[normal], &self.e.scalar(roughness)?].concat();
                 [&head[..], &a, &r, &[u32::from(multi)]].concat()
             }
-            Closure::Glass { distribution, color, roughness, ior, normal } => {
+            Closure::Conductor(c) => {
                 self.facets(1);
+                self.need("conductor");
+                if !is_zero(&c.anisotropy) {
+                    self.need("anisotropic");
+                }
+                let multi = c.distribution == Distribution::MultiGgx;
+                if multi {
+                    self.tables.mirror(any_where(&c.anisotropy, &c.roughness));
+                }
+                let normal = self.e.normal(c.normal.as_deref())?;
+                let (a, r) = (self.e.scalar(&c.anisotropy)?, self.e.scalar(&c.rotation)?);
+                let head = [&[kind("CONDUCTOR")][..], &self.e.color(&c.ior)?, &[normal], &self.e.scalar(&c.roughness)?].concat();
+                [&head[..], &a, &r, &[u32::from(multi)], &self.e.color(&c.extinction)?].concat()
+            }
+            Closure::Glass { distribution, color, roughness, ior, film_thickness, film_ior, normal } => {
+                self.facets(1);
+                if !is_zero(film_thickness) {
+                    self.need("thin_film");
+                }
                 self.need("refraction");
                 self.need("plain_glass");
                 let normal = self.e.normal(normal.as_deref())?;
                 let glass = self.glass_words(*distribution, ior, roughness)?;
-                [&[kind("GLASS")][..], &self.e.color(color)?, &[normal], &self.e.scalar(roughness)?, &glass].concat()
+                let (thickness, film_ior) = (self.e.scalar(film_thickness)?, self.e.scalar(film_ior)?);
+                let head = [&[kind("GLASS")][..], &self.e.color(color)?, &[normal], &self.e.scalar(roughness)?, &glass].concat();
+                [&head[..], &thickness, &film_ior].concat()
             }
             Closure::Refraction { color, roughness, ior, normal, .. } => {
                 self.facets(1);
@@ -296,13 +319,16 @@ impl Steps<'_> {
                 let normal = self.e.normal(normal.as_deref())?;
                 [&[kind("REFRACTION")][..], &self.e.color(color)?, &[normal], &self.e.scalar(roughness)?, &[ior.to_bits()]].concat()
             }
-            Closure::Subsurface { color, radius, scale, anisotropy, normal, .. } => {
+            Closure::Subsurface { method, color, radius, scale, ior, anisotropy, roughness, normal } => {
                 self.room.lobes += 1;
                 self.need("subsurface");
                 self.need("plain_subsurface");
                 let normal = self.e.normal(normal.as_deref())?;
                 let (radius, scale, g) = (self.e.color(radius)?, self.e.scalar(scale)?, self.e.scalar(anisotropy)?);
-                [&[kind("SUBSURFACE")][..], &self.e.color(color)?, &[normal], &radius, &scale, &g].concat()
+                let (ior, rough) = (self.e.scalar(ior)?, self.e.scalar(roughness)?);
+                let skin = u32::from(*method == SubsurfaceMethod::RandomWalkSkin);
+                let head = [&[kind("SUBSURFACE")][..], &self.e.color(color)?, &[normal], &radius, &scale, &g].concat();
+                [&head[..], &ior, &rough, &[skin]].concat()
             }
             Closure::Hair(h) => {
                 self.room.lobes += 1;
@@ -425,6 +451,9 @@ impl Steps<'_> {
         w.extend(e.color(&p.subsurface_radius)?);
         w.extend(e.scalar(&p.subsurface_scale)?);
         w.extend(e.scalar(&p.subsurface_anisotropy)?);
+        let skin = p.subsurface_method == SubsurfaceMethod::RandomWalkSkin;
+        w.extend(if skin { e.scalar(&p.subsurface_ior)? } else { e.scalar(&Scalar::constant(eta))? });
+        w.push(u32::from(skin));
         w.extend(e.color(&p.emission_color)?);
         w.extend(e.scalar(&p.emission_strength)?);
         w.extend(e.scalar(&p.thin_film_thickness)?);

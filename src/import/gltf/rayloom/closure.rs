@@ -5,7 +5,9 @@ use super::input::Inputs;
 use crate::math::Vec3;
 use crate::scene::Volume;
 use crate::scene::input::{Color, Scalar};
-use crate::scene::shader::{Closure, Distribution, HairClosure, HairColor, MixFactor, PrincipledClosure, RaySort, SubsurfaceMethod};
+use crate::scene::shader::{
+    Closure, ConductorClosure, Distribution, HairClosure, HairColor, MixFactor, PrincipledClosure, RaySort, SubsurfaceMethod,
+};
 
 /// Most closures of one material, shared ones counted as often as they are used.
 pub(super) const MAX_CLOSURES: usize = 4096;
@@ -64,6 +66,8 @@ impl Inputs<'_, '_, '_> {
                 color: self.color(ix, "color", Vec3::ONE)?,
                 roughness: self.scalar(ix, "roughness", 0.0)?,
                 ior: self.scalar(ix, "ior", 1.5)?,
+                film_thickness: self.scalar(ix, "thinFilmThickness", 0.0)?,
+                film_ior: self.scalar(ix, "thinFilmIor", 1.33)?,
                 normal: self.normal(ix, "normal")?,
             },
             "refraction" => Closure::Refraction {
@@ -88,22 +92,26 @@ impl Inputs<'_, '_, '_> {
                 roughness: self.scalar(ix, "roughness", 1.0)?,
                 normal: self.normal(ix, "normal")?,
             },
-            "metallicBsdf" => {
-                if self.nodes[ix].text("fresnel")? == Some("conductor") {
-                    self.told("a metal by physical indices shows its base colour");
-                }
-                Closure::Principled(Box::new(PrincipledClosure {
-                    base_color: self.color(ix, "baseColor", Vec3::new(0.617, 0.577, 0.540))?,
-                    specular_tint: self.color(ix, "edgeTint", Vec3::new(0.695, 0.726, 0.770))?,
-                    metallic: 1.0.into(),
-                    roughness: self.scalar(ix, "roughness", 0.5)?,
-                    anisotropic: self.scalar(ix, "anisotropy", 0.0)?,
-                    anisotropic_rotation: self.scalar(ix, "rotation", 0.0)?,
-                    normal: self.normal(ix, "normal")?,
-                    distribution: self.distribution(ix)?,
-                    ..PrincipledClosure::default()
-                }))
-            }
+            "metallicBsdf" if self.nodes[ix].text("fresnel")? == Some("conductor") => Closure::Conductor(Box::new(ConductorClosure {
+                distribution: self.distribution(ix)?,
+                ior: self.color(ix, "ior", Vec3::splat(3.0))?,
+                extinction: self.color(ix, "extinction", Vec3::splat(3.0))?,
+                roughness: self.scalar(ix, "roughness", 0.5)?,
+                anisotropy: self.scalar(ix, "anisotropy", 0.0)?,
+                rotation: self.scalar(ix, "rotation", 0.0)?,
+                normal: self.normal(ix, "normal")?,
+            })),
+            "metallicBsdf" => Closure::Principled(Box::new(PrincipledClosure {
+                base_color: self.color(ix, "baseColor", Vec3::new(0.617, 0.577, 0.540))?,
+                specular_tint: self.color(ix, "edgeTint", Vec3::new(0.695, 0.726, 0.770))?,
+                metallic: 1.0.into(),
+                roughness: self.scalar(ix, "roughness", 0.5)?,
+                anisotropic: self.scalar(ix, "anisotropy", 0.0)?,
+                anisotropic_rotation: self.scalar(ix, "rotation", 0.0)?,
+                normal: self.normal(ix, "normal")?,
+                distribution: self.distribution(ix)?,
+                ..PrincipledClosure::default()
+            })),
             "emission" => Closure::Emission { color: self.color(ix, "color", Vec3::ONE)?, strength: self.scalar(ix, "strength", 1.0)? },
             "holdout" => Closure::Holdout,
             "principledHair" => Closure::Hair(Box::new(self.hair(ix)?)),

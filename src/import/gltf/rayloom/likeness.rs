@@ -34,6 +34,11 @@ fn of_closure(closure: &Closure) -> Principled {
         Closure::Sheen { color, .. } => matte(color),
         Closure::Transparent { .. } | Closure::Holdout => Principled { alpha: 0.0, alpha_mode: AlphaMode::Blend, ..Principled::default() },
         Closure::Glossy { color, roughness, .. } => Principled { metallic: 1.0, roughness: number(roughness), ..matte(color) },
+        Closure::Conductor(c) => {
+            let (n, k) = (c.ior.factor, c.extinction.factor);
+            let base = ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k);
+            Principled { base_color: base, metallic: 1.0, roughness: number(&c.roughness), ..Principled::default() }
+        }
         Closure::Glass { color, roughness, ior, .. } | Closure::Refraction { color, roughness, ior, .. } => {
             Principled { transmission: 1.0, roughness: number(roughness), ior: number(ior).max(1.0), specular: 1.0, ..matte(color) }
         }

@@ -12,11 +12,28 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Radius of the earth and of its air, metres.
 const EARTH: f64 = 6_360_000.0;
 const AIR: f64 = 6_420_000.0;
-/// Steps along a ray, and along each way to the sun.
+/// Even steps along a ray, as many as Cycles has (measured: they are too few for dust near the horizon, alike).
 const STEPS: usize = 32;
-const SUN_STEPS: usize = 16;
+/// Points and weights times e^x of the ways to the sun, whose length is [`SUN_LENGTH`]: Gauss and Laguerre's for what falls off evenly. Air and
+/// dust do; ozone does not, and comes out 2.4 % low under a high sun and 4 % high under one of 1 degree. Source: Abramowitz and Stegun, table
+/// 25.9; that Cycles has 8 of them over 25, by what its ozone is off at 9 heights of the sun: of 3 to 16 points over 2 to 80 these fit
+/// best, and with them skies of ten times as much of each agree within 0.1 %.
+const SUN_POINTS: [[f64; 2]; 8] = [
+    [0.170_279_632_305, 0.437_723_410_493],
+    [0.903_701_776_799, 1.033_869_347_666],
+    [2.251_086_629_866, 1.669_709_765_659],
+    [4.266_700_170_288, 2.376_924_701_759],
+    [7.045_905_402_393, 3.208_540_913_348],
+    [10.758_516_010_181, 4.268_575_510_825],
+    [15.740_678_641_278, 5.818_083_368_672],
+    [22.863_131_736_889, 8.906_226_215_292],
+];
+const SUN_LENGTH: f64 = 25.0;
 /// Wavelengths: 380 to 780 nm in steps of 20.
 const N: usize = 21;
+/// Heights over which air and dust become thinner by e.
+const AIR_SCALE: f64 = 8000.0;
+const DUST_SCALE: f64 = 1200.0;
 /// Scattering of dust per metre at the sea, and its mean cosine.
 const DUST: f64 = 2e-5;
 const DUST_FORWARD: f64 = 0.76;
@@ -80,10 +97,22 @@ fn color(spectrum: &[f64; N]) -> Rgb {
     rec709(sum * 20.0)
 }
 
-/// Size of the table of the sky: turns from the sun, heights (denser near the horizon).
-pub const COLUMNS: usize = 128;
+/// Size of the table of the sky: turns from the sun, heights (denser near the horizon). Cycles' own, since between entries and beside them
+/// it goes wrong by up to 4 %: see [`column_turn`] and [`row_height`].
+pub const COLUMNS: usize = 256;
 /// Heights of the table.
 pub const ROWS: usize = 128;
+
+/// Turn from the sun that a column is worked out for. It is shown half a column nearer: column `c` stands at `c + 0.5`. Source: Cycles
+/// (measured; so are the rows).
+fn column_turn(c: usize) -> f64 {
+    (c + 1) as f64 * PI / COLUMNS as f64
+}
+
+/// Height that a row is worked out for. It stands at `(row + 0.5) / ROWS` of the square root of a quarter turn.
+fn row_height(row: usize) -> f64 {
+    (row as f64 / ROWS as f64).powi(2) * FRAC_PI_2 * (1.0 + 1.0 / 256.0)
+}
 
 /// A sky made ready.
 pub struct ReadySky {
@@ -109,12 +138,7 @@ impl ReadySky {
         let air = Air::new(sky);
         let table = (0..ROWS * COLUMNS)
             .into_par_iter()
-            .map(|k| {
-                let (row, column) = (k / COLUMNS, k % COLUMNS);
-                let up = (row as f64 / (ROWS - 1) as f64).powi(2) * FRAC_PI_2;
-                let turn = column as f64 / (COLUMNS - 1) as f64 * PI;
-                color(&air.scattered(flat(up, turn), sun_in_table))
-            })
+            .map(|k| color(&air.scattered(flat(row_height(k / COLUMNS), column_turn(k % COLUMNS)), sun_in_table)))
             .collect();
         // Measured of Cycles: the sun stands at (sin, cos) of its rotation, like a compass.
         let (se, ce) = elevation.sin_cos();
@@ -139,8 +163,8 @@ impl ReadySky {
         let around = dir.x.hypot(dir.y);
         let flat_sun = self.sun.x.hypot(self.sun.y);
         let cos = if around > 0.0 && flat_sun > 0.0 { (dir.x * self.sun.x + dir.y * self.sun.y) / (around * flat_sun) } else { 1.0 };
-        let x = cos.clamp(-1.0, 1.0).acos() / PI * (COLUMNS - 1) as f64;
-        let y = (up / FRAC_PI_2).sqrt() * (ROWS - 1) as f64;
+        let x = (cos.clamp(-1.0, 1.0).acos() / PI * COLUMNS as f64 - 0.5).clamp(0.0, (COLUMNS - 1) as f64);
+        let y = ((up / FRAC_PI_2).sqrt() * ROWS as f64 - 0.5).clamp(0.0, (ROWS - 1) as f64);
         let (i, j) = ((x as usize).min(COLUMNS - 2), (y as usize).min(ROWS - 2));
         let (fx, fy) = ((x - i as f64) as f32, (y - j as f64) as f32);
         let at = |r: usize, c: usize| self.table[r * COLUMNS + c];
@@ -171,25 +195,18 @@ impl Air {
 
     /// Densities at a height over the sea.
     fn densities(&self, height: f64) -> DVec3 {
-        let ozone = if (10_000.0..25_000.0).contains(&height) {
-            (height - 10_000.0) / 15_000.0
-        } else if (25_000.0..40_000.0).contains(&height) {
-            (40_000.0 - height) / 15_000.0
-        } else {
-            0.0
-        };
-        DVec3::new((-height / 8000.0).exp(), (-height / 1200.0).exp(), ozone) * self.scale
+        // Ozone begins at 10 km, is densest at 25 and ends at 40.
+        let [low, middle, high] = [10_000.0, 25_000.0, 40_000.0];
+        let ozone = ((height - low) / (middle - low)).min((high - height) / (high - middle)).max(0.0);
+        DVec3::new((-height / AIR_SCALE).exp(), (-height / DUST_SCALE).exp(), ozone) * self.scale
     }
 
     /// Sums of densities on the way out of the air.
     fn depth(&self, from: DVec3, dir: DVec3) -> DVec3 {
-        // Steps grow with the way, since the air is thickest where it begins: even ones miss a third of the dust.
-        let (n, length) = (SUN_STEPS as f64, length_to_sphere(from, dir, AIR));
-        (0..SUN_STEPS).fold(DVec3::ZERO, |s, k| {
-            let u = (k as f64 + 0.5) / n;
-            let p = from + dir * (length * u * u);
-            s + self.densities(p.length() - EARTH) * (2.0 * u / n * length)
-        })
+        let unit = length_to_sphere(from, dir, AIR) / SUN_LENGTH;
+        SUN_POINTS
+            .iter()
+            .fold(DVec3::ZERO, |sum, [x, weight]| sum + self.densities((from + dir * (unit * x)).length() - EARTH) * (unit * weight))
     }
 
     fn left(depth: DVec3, k: usize) -> f64 {
@@ -263,29 +280,56 @@ mod tests {
     #[test]
     fn the_sky_is_as_bright_as_cycles_measures_it() {
         let mut wrong = Vec::new();
-        let mut made: Option<(f32, ReadySky)> = None;
+        let mut made: Option<(Sky, ReadySky)> = None;
         for line in include_str!("../../../../tests/measured/cycles_sky.txt").lines().filter(|l| l.starts_with("sky")) {
             let v: Vec<f32> = line.split(' ').skip(1).map(|w| w.parse().expect("a number")).collect();
-            if made.as_ref().is_none_or(|m| m.0 != v[0]) {
-                let (sun_elevation_rad, sun_rotation_rad) = (v[0].to_radians(), v[1].to_radians());
-                made = Some((v[0], ReadySky::new(&Sky { sun_disc: false, sun_elevation_rad, sun_rotation_rad, ..Sky::default() })));
-            }
-            let Some((_, sky)) = &made else { continue };
-            let (e, a) = (v[2].to_radians(), v[3].to_radians());
-            let got = sky.radiance(Vec3::new(e.cos() * a.cos(), e.cos() * a.sin(), e.sin()).as_dvec3());
-            let want = Vec3::new(v[4], v[5], v[6]);
-            // Near the horizon the ray's own steps are too few for either of us.
-            let limit = match v[2] {
-                e if e >= 10.0 => 0.025,
-                e if e > 0.0 => 0.05,
-                _ => continue,
+            let sky = Sky {
+                sun_disc: false,
+                sun_elevation_rad: v[0].to_radians(),
+                sun_rotation_rad: v[1].to_radians(),
+                air_density: v[2],
+                dust_density: v[3],
+                ozone_density: v[4],
+                altitude_m: v[5],
+                ..Sky::default()
             };
-            let off = ((got - want) / want).abs().max_element();
+            if made.as_ref().is_none_or(|m| m.0 != sky) {
+                made = Some((sky.clone(), ReadySky::new(&sky)));
+            }
+            let Some((_, ready)) = &made else { continue };
+            let (e, a) = (v[6].to_radians(), v[7].to_radians());
+            let got = ready.radiance(Vec3::new(e.cos() * a.cos(), e.cos() * a.sin(), e.sin()).as_dvec3());
+            let want = Vec3::new(v[8], v[9], v[10]);
+            let limit = if v[4] > 1.0 { 5e-3 } else { 2e-3 };
+            let off = ((got - want) / want.max_element()).abs().max_element();
             if off > limit {
-                wrong.push(format!("{line}: {got}, off by {off:.3}"));
+                wrong.push(format!("{line}: {got}, off by {off:.4}"));
             }
         }
         assert!(wrong.is_empty(), "{} differ\n{}", wrong.len(), wrong.join("\n"));
+    }
+
+    #[test]
+    fn depths_are_those_of_many_small_steps() {
+        let air = Air::new(&Sky::default());
+        for height in [1.0, 2000.0, 8000.0] {
+            for degrees in [1.0f64, 3.0, 30.0, 90.0] {
+                let (sin, cos) = degrees.to_radians().sin_cos();
+                let (from, dir) = (DVec3::new(0.0, 0.0, EARTH + height), DVec3::new(cos, 0.0, sin));
+                if meets_earth(from + DVec3::X, dir) {
+                    continue;
+                }
+                let length = length_to_sphere(from, dir, AIR);
+                let n = 40_000;
+                let want = (0..n).fold(DVec3::ZERO, |s, k| {
+                    let u = (f64::from(k) + 0.5) / f64::from(n);
+                    s + air.densities((from + dir * (length * u * u)).length() - EARTH) * (2.0 * u * length / f64::from(n))
+                });
+                let off = (air.depth(from, dir) - want).abs();
+                let limit = DVec3::new(4e-3, 1e-3, 0.1) * want + 1.0;
+                assert!(off.cmple(limit).all(), "{height} {degrees}: {} {want}", air.depth(from, dir));
+            }
+        }
     }
 
     #[test]
