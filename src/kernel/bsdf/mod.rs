@@ -310,12 +310,15 @@ impl LobeSet {
             return (Vec3::ZERO, 0.0);
         }
         let (mut f, mut p) = lobe.eval(v, l);
-        let flips = if met { lobe.flips() } else { 0.0 };
+        let flips = lobe.flips();
         let mirrored = l - self.flat * (2.0 * height);
         if flips > 0.0 && height > 0.0 && mirrored.dot(lobe.frame.n) > 0.0 {
             let (more, pdf) = lobe.eval(v, mirrored);
-            f += more * flips;
+            // The density is that of the sampler in either case.
             p += pdf * flips;
+            if met {
+                f += more * flips;
+            }
         }
         (f, p)
     }
