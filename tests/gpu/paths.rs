@@ -178,7 +178,15 @@ fn trees_of_plain_closures_answer_the_same() {
         rotation: 0.0.into(),
         normal: None,
     };
-    let glass = Closure::Glass { distribution: Distribution::Ggx, color: c(1.0), roughness: 0.0.into(), ior: 1.4.into(), normal: None };
+    let glass = Closure::Glass {
+        distribution: Distribution::Ggx,
+        color: c(1.0),
+        roughness: 0.0.into(),
+        ior: 1.4.into(),
+        film_thickness: 400.0.into(),
+        film_ior: 1.8.into(),
+        normal: None,
+    };
     let mix = |factor, a, b| Closure::Mix { factor, a: Box::new(a), b: Box::new(b) };
     let shining = Closure::Emission { color: c(1.0), strength: 2.0.into() };
     let sheen = Closure::Sheen { color: c(0.8), roughness: 0.4.into(), normal: None };

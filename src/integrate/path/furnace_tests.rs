@@ -160,7 +160,7 @@ fn bent_normals_lose_the_light_that_they_lose_in_cycles() {
 
 /// A sheet between z = 0 and z = -depth.
 fn sheet(closure: Closure, depth: f32) -> crate::scene::Object {
-    let corner = |k: usize, z: f32| Vec3::new(if k % 3 == 0 { -100.0 } else { 100.0 }, if k < 2 { -100.0 } else { 100.0 }, z);
+    let corner = |k: usize, z: f32| Vec3::new([-100.0, 100.0, 100.0, -100.0][k], [-100.0, -100.0, 100.0, 100.0][k], z);
     let mesh = Mesh {
         vertices: (0..8).map(|k| corner(k % 4, if k < 4 { 0.0 } else { -depth })).collect(),
         faces: vec![[0, 1, 2], [0, 2, 3], [4, 6, 5], [4, 7, 6]],
