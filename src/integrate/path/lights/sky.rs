@@ -98,7 +98,7 @@ fn color(spectrum: &[f64; N]) -> Rgb {
 }
 
 /// Size of the table of the sky: turns from the sun, heights (denser near the horizon). Cycles' own, since between entries and beside them
-/// it goes wrong by up to 4 %: see [`column_turn`] and [`row_height`].
+/// it goes wrong by up to 4 %: see `column_turn` and `row_height`.
 pub const COLUMNS: usize = 256;
 /// Heights of the table.
 pub const ROWS: usize = 128;
