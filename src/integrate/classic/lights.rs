@@ -110,7 +110,8 @@ impl Tracer<'_> {
         if spread.is_none() && !self.draws_on_the_way(light) && self.gives_nothing_back(ctx, layer, way.dir, behind, !light.shadowless) {
             return Vec3::ZERO;
         }
-        let known = if ctx.ray.gathers { Known::Scattered } else { Known::Nothing };
+        // What is gathered for radiosity lies anywhere: looking it up by place was tried and costs (docs/speed.md).
+        let known = if ctx.ray.gathers { Known::Many } else { Known::Nothing };
         let tested = self.plan.quality.shadows && (!light.shadowless || compiled.projected_through != crate::compile::NONE);
         let filtered = match memo.and_then(|k| self.lit[k]) {
             _ if !tested => arriving,

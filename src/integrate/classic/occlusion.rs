@@ -29,8 +29,6 @@ pub(super) enum Spread {
     Surface = 0,
     /// All along a ray.
     Medium = 1,
-    /// Anywhere.
-    Anywhere = 3,
 }
 
 /// Sides of cells, in pixels at their distance, are between this and half of it.

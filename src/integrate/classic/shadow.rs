@@ -76,10 +76,9 @@ impl Tracer<'_> {
                     onward_to_light(scene, &ray, left, nth == 0, &hints, &mut noted)
                 }
                 Known::Many => onward_to_light(scene, &ray, left, nth == 0, &hints, &mut noted),
-                Known::Nothing | Known::InMedium | Known::Scattered => {
+                Known::Nothing | Known::InMedium => {
                     let spread = match known {
                         Known::InMedium => Spread::Medium,
-                        Known::Scattered => Spread::Anywhere,
                         _ => Spread::Surface,
                     };
                     if nth == 0

@@ -25,9 +25,7 @@ pub(super) enum Known<'c> {
     Nothing,
     /// Nothing, of one that starts in a medium: its neighbours lie all along a ray.
     InMedium,
-    /// Nothing, of one that lights what is gathered: its neighbours lie anywhere.
-    Scattered,
-    /// Nothing, and looking it up by place was tried.
+    /// Nothing, and looking it up by place is of no use.
     Many,
     /// Of primitives with bounds it can meet these alone.
     Among(&'c Candidates),
