@@ -6,7 +6,8 @@
 pub mod cpu_time;
 pub mod math;
 pub mod memory;
-pub mod savings; // rank 0
+pub mod savings;
+pub mod user_folders; // rank 0
 
 pub mod accel;
 pub mod diag; // rank 1

@@ -95,6 +95,7 @@ fn animate(options: &PovOptions, input: &Path) -> ExitCode {
         return ExitCode::from(1);
     }
     let trees = (all.len() > 1).then(Arc::<TreeStore>::default);
+    let worth_a_gpu = Arc::default();
     for (k, frame) in all.iter().enumerate() {
         let streams = match Streams::open(options, &options.output_folder(input), k > 0) {
             Ok(s) => s,
@@ -114,6 +115,7 @@ fn animate(options: &PovOptions, input: &Path) -> ExitCode {
         let listener = PovListener { streams, options, style: style(), last: Mutex::new(None), interrupt: interrupt.clone() };
         let result = job_for_frame(options, input, frame).and_then(|mut job| {
             job.compile.trees = trees.clone();
+            job.worth_a_gpu = Arc::clone(&worth_a_gpu);
             picture(&job, frame, &listener)
         });
         interrupt.rendering.store(false, Ordering::SeqCst);

@@ -33,7 +33,7 @@ pub struct RenderArgs {
     /// Width and height in pixels [default: 800x600, or what the .ini says]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<(u32, u32)>,
-    /// Machine: the GPU when there is one that can render the scene, the CPU, the GPU [default: auto, or what the .ini says]
+    /// Machine: auto takes the GPU where there is one that can render the scene and the CPU would need seconds [default: auto, or what the .ini says]
     #[arg(long, value_parser = ["auto", "cpu", "gpu"])]
     backend: Option<String>,
     /// A GPU by a part of its name as `rayloom info` lists it; implies `--backend gpu`
@@ -352,9 +352,11 @@ pub(super) fn jobs(args: &RenderArgs) -> Result<Vec<Job>, JobError> {
     };
     let all = frames(&o).map_err(|e| usage(&e))?;
     let trees = (all.len() > 1 && args.no_skip.unwrap_or_default().has(Saving::Frames)).then(Arc::<TreeStore>::default);
+    let worth_a_gpu = Arc::default();
     let job = |frame: &Frame| {
         let mut job = finish(args, &o, job_for_frame(&o, &input, frame)?, &input, frame.digits, frame.number)?;
         job.compile.trees = trees.clone();
+        job.worth_a_gpu = Arc::clone(&worth_a_gpu);
         Ok(job)
     };
     all.iter().map(job).collect()

@@ -13,7 +13,7 @@ use std::time::Duration;
 /// Which machine the user wants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum BackendChoice {
-    /// A real GPU that can render the scene, else the CPU.
+    /// A real GPU that can render the scene, where the CPU would take seconds (`estimate`); else the CPU.
     #[default]
     Auto,
     /// The CPU.
@@ -53,9 +53,19 @@ pub(super) fn render(
     // Guides of the denoiser alone are made on the CPU afterwards.
     let cpu_only = job.passes.is_some_and(|p| !p.is_empty()).then_some("passes");
     if let (Some(what), true) = (cpu_only, job.backend == BackendChoice::Gpu) {
-        sink.note_once("fallback", None, format!("rendered on the CPU: the GPU back end does not do {what} yet"));
+        tell_fallback(what, sink);
     }
-    if job.backend != BackendChoice::Cpu && cpu_only.is_none() {
+    let wanted = cpu_only.is_none()
+        && match job.backend {
+            BackendChoice::Cpu => false,
+            BackendChoice::Gpu => true,
+            BackendChoice::Auto => {
+                may_have_hardware() && gpu_takes(job, scene, sink) && {
+                    *job.worth_a_gpu.get_or_init(|| super::estimate::worth_a_gpu(job, scene, film, cancel))
+                }
+            }
+        };
+    if wanted {
         let layers = std::mem::take(&mut film.layers);
         let result = gpu(job.backend, &job.gpu)
             .and_then(|machine| {
@@ -77,9 +87,7 @@ pub(super) fn render(
                 }
                 return Ok(());
             }
-            (Err(BackendError::Unsupported(what)), _) => {
-                sink.note_once("fallback", None, format!("rendered on the CPU: the GPU back end does not do {what} yet"));
-            }
+            (Err(BackendError::Unsupported(what)), _) => tell_fallback(&what, sink),
             (Err(error @ BackendError::TooLarge { .. }), BackendChoice::Auto) => {
                 sink.note_once("fallback", None, format!("rendered on the CPU: {error}"));
             }
@@ -101,9 +109,6 @@ pub(super) fn render(
 fn gpu(choice: BackendChoice, name: &str) -> Result<Box<dyn Backend>, BackendError> {
     use crate::backend::gpu::{GpuBackend, GpuOptions};
     let accept_software = choice == BackendChoice::Gpu;
-    if !accept_software && !may_have_hardware() {
-        return Err(BackendError::NoDevice("no graphics card was found".into()));
-    }
     Ok(Box::new(GpuBackend::new(&GpuOptions { accept_software, name_contains: name.to_owned() })?))
 }
 
@@ -115,6 +120,33 @@ fn may_have_hardware() -> bool {
     let has_render_node =
         || std::fs::read_dir("/dev/dri").is_ok_and(|d| d.flatten().any(|e| e.file_name().to_string_lossy().starts_with("render")));
     !cfg!(target_os = "linux") || exists("/dev/nvidia0") || exists("/dev/dxg") || has_render_node()
+}
+
+/// Whether the GPU back end does all that the scene uses; told if not. Of path tracing that is found out when it begins.
+#[cfg(feature = "gpu")]
+fn gpu_takes(job: &Job, scene: &CompiledScene, sink: &mut Sink) -> bool {
+    if job.render.integrator == IntegratorKind::Path {
+        return true;
+    }
+    let obstacle = crate::backend::gpu::check(scene).err();
+    if let Some(BackendError::Unsupported(what)) = &obstacle {
+        tell_fallback(what, sink);
+    }
+    obstacle.is_none()
+}
+
+fn tell_fallback(what: &str, sink: &mut Sink) {
+    sink.note_once("fallback", None, format!("rendered on the CPU: the GPU back end does not do {what} yet"));
+}
+
+#[cfg(not(feature = "gpu"))]
+fn may_have_hardware() -> bool {
+    false
+}
+
+#[cfg(not(feature = "gpu"))]
+fn gpu_takes(_job: &Job, _scene: &CompiledScene, _sink: &mut Sink) -> bool {
+    false
 }
 
 #[cfg(not(feature = "gpu"))]

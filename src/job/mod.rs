@@ -4,6 +4,7 @@
 
 mod backend;
 mod denoise;
+mod estimate;
 mod load;
 mod pov;
 mod resume;
@@ -30,8 +31,8 @@ use crate::scene::denoise::DenoiseSettings;
 use crate::scene::{Pass, PassSet};
 use crate::world::WorldError;
 use std::path::PathBuf;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Instant;
 
 /// A picture to be made.
@@ -47,6 +48,8 @@ pub struct Job {
     pub compile: CompileOptions,
     /// Which machine.
     pub backend: BackendChoice,
+    /// What `BackendChoice::Auto` found of the first picture; shared, so that all frames of an animation come from one machine.
+    pub worth_a_gpu: Arc<OnceLock<bool>>,
     /// Part of the GPU's name, in any case; empty takes the first.
     pub gpu: String,
     /// Go on from what an interrupted run of the same job left beside the target.

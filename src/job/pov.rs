@@ -11,6 +11,7 @@ use crate::lang::options::{Frame, GammaOption, OutputName, OutputType, PovOption
 use crate::memory::MemoryLimit;
 use crate::scene::PassSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Largest side and largest number of pixels of a picture.
 const MAX_SIDE: u32 = 131_072;
@@ -90,6 +91,7 @@ pub fn job_for_frame(o: &PovOptions, input: &Path, frame: &Frame) -> Result<Job,
             features_only: false,
         },
         compile: CompileOptions { quality: o.quality, accel: accel_named(&o.accel), memory, ..CompileOptions::default() },
+        worth_a_gpu: Arc::default(),
         gpu: String::new(),
         backend: match o.backend.as_str() {
             "cpu" => BackendChoice::Cpu,

@@ -6,6 +6,7 @@ mod lost;
 mod paths;
 mod paths_bodies;
 mod pictures;
+mod pipelines;
 mod probes;
 mod probes_texture;
 mod structures;

@@ -24,9 +24,7 @@ pub fn table_path() -> Option<PathBuf> {
     if let Some(path) = std::env::var_os("RAYLOOM_ACCEL_TABLE") {
         return Some(path.into());
     }
-    let var = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
-    let settings = var("XDG_CONFIG_HOME").or_else(|| var("APPDATA")).or_else(|| var("HOME").map(|h| h.join(".config")));
-    settings.map(|s| s.join("rayloom").join("accel.json"))
+    crate::user_folders::settings().map(|s| s.join("accel.json"))
 }
 
 /// The table; empty when there is none or it cannot be read.

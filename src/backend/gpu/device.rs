@@ -1,5 +1,6 @@
 //! The device: adapters, buffers, pipelines, dispatches, reading back. Errors come back as values, never as panics.
 
+use super::pipeline_files::PipelineFiles;
 use crate::backend::BackendError;
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,6 +19,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// What it is.
     pub info: wgpu::AdapterInfo,
+    /// Where compiled pipelines are kept.
+    pipeline_files: Option<PipelineFiles>,
     /// The first fault that nobody asked for: lost, out of memory, a validation error.
     fault: Arc<Mutex<Option<String>>>,
 }
@@ -100,7 +103,8 @@ impl Gpu {
     }
 
     fn open(adapter: &wgpu::Adapter) -> Result<Self, BackendError> {
-        let wanted = if single_precision()? { wgpu::Features::empty() } else { wgpu::Features::SHADER_F64 };
+        let double = if single_precision()? { wgpu::Features::empty() } else { wgpu::Features::SHADER_F64 };
+        let wanted = double | wgpu::Features::PIPELINE_CACHE;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("rayloom"),
             required_features: adapter.features() & wanted,
@@ -119,7 +123,9 @@ impl Gpu {
             keep(&lost, if was_destroyed { "it was destroyed".into() } else { message });
         });
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| keep(&uncaptured, e.to_string())));
-        Ok(Self { device, queue, info: adapter.get_info(), fault })
+        let info = adapter.get_info();
+        let pipeline_files = PipelineFiles::new(&device, &info);
+        Ok(Self { device, queue, info, pipeline_files, fault })
     }
 
     /// Whether shaders may use numbers of 64 bits: the feature `double` of those that hold geometry.
@@ -211,18 +217,23 @@ impl Gpu {
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
+        let file = self.pipeline_files.as_ref().map(|f| f.file(&self.device, text, entry_point));
         let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(label),
             layout: Some(&layout),
             module: &module,
             entry_point: Some(entry_point),
             compilation_options: wgpu::PipelineCompilationOptions { zero_initialize_workgroup_memory: false, ..Default::default() },
-            // Drivers keep compiled shaders on disk by themselves; wgpu's own cache takes unsafe code.
-            cache: None,
+            cache: file.as_ref().map(|f| &f.cache),
         });
         match pollster::block_on(scope.pop()) {
             Some(e) => Err(BackendError::Unsupported(format!("shader '{label}': {e}"))),
-            None => Ok(pipeline),
+            None => {
+                if let Some(file) = file {
+                    file.keep();
+                }
+                Ok(pipeline)
+            }
         }
     }
 

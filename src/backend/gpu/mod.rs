@@ -14,6 +14,7 @@ mod media_buffers;
 mod mesh_buffers;
 mod modules;
 mod path;
+mod pipeline_files;
 pub mod probe;
 pub mod ray_bench;
 pub mod shader;
@@ -33,6 +34,7 @@ mod wavefront;
 
 pub use device::{Gpu, GpuOptions, list_devices, open_all};
 pub use path::PathTimes;
+pub use support::check;
 
 use super::unfinished::{add_samples, unfinished_blocks};
 use super::{Backend, BackendError, Progress};

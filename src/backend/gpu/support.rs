@@ -43,8 +43,8 @@ const MOST_POLY_ORDER: u32 = 10;
 /// Of media: each level doubles the places that samples may have.
 const MOST_AA_LEVEL: u32 = 8;
 
-/// Refuses what cannot be rendered here, with all of the reasons.
-pub(super) fn check(scene: &CompiledScene) -> Result<(), BackendError> {
+/// Refuses what the classic integrator cannot render here, with all of the reasons.
+pub fn check(scene: &CompiledScene) -> Result<(), BackendError> {
     let mut list = obstacles(scene);
     if list.is_empty() {
         return Ok(());

@@ -11,6 +11,7 @@ use super::layout::{AreaTask, Batch, Counters, Hit, Ray, ShadowRay, Start};
 use super::shader::assemble;
 use crate::backend::BackendError;
 use bytemuck::{Pod, bytes_of, cast_slice};
+use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -151,18 +152,38 @@ impl<'g> Wavefront<'g> {
             options.constant("MAX_AREA_POINTS", max_area_points);
             gpu.compute_pipeline(name, &assemble(name, &options)?, name, &[&scene_layout, &table_layout])
         };
-        let stages = Stages {
-            generate_rays: stage("generate_rays")?,
-            // Positions want all their bits: another hash would choose other places.
-            lens_rays: if scene.lens_at != 0 && gpu.has_double() { Some(stage("lens_rays")?) } else { None },
-            trace_closest: stage("trace_closest")?,
-            shade: stage("shade")?,
-            trace_shadow: stage("trace_shadow")?,
-            area_round: if scene.max_areas > 0 { Some(stage("area_round")?) } else { None },
-            media_round: if scene.media { Some(stage("media_round")?) } else { None },
-            project_light: if scene.lights.iter().any(|l| l.projected_at != 0) { Some(stage("project_light")?) } else { None },
-            filter_shadow: if scene.transparency { Some(stage("filter_shadow")?) } else { None },
+        // Drivers compile one pipeline on one core: all at once take as long as the longest. Positions of lens rays want all their bits: another
+        // hash would choose other places.
+        let wanted = [
+            ("generate_rays", true),
+            ("trace_closest", true),
+            ("shade", true),
+            ("trace_shadow", true),
+            ("lens_rays", scene.lens_at != 0 && gpu.has_double()),
+            ("area_round", scene.max_areas > 0),
+            ("media_round", scene.media),
+            ("project_light", scene.lights.iter().any(|l| l.projected_at != 0)),
+            ("filter_shadow", scene.transparency),
+        ];
+        let made = wanted.par_iter().map(|(name, needed)| needed.then(|| stage(name)).transpose()).collect::<Result<Vec<_>, _>>()?;
+        let Ok(
+            [
+                Some(generate_rays),
+                Some(trace_closest),
+                Some(shade),
+                Some(trace_shadow),
+                lens_rays,
+                area_round,
+                media_round,
+                project_light,
+                filter_shadow,
+            ],
+        ) = <[_; 9]>::try_from(made)
+        else {
+            unreachable!("the first four are always wanted")
         };
+        let stages =
+            Stages { generate_rays, lens_rays, trace_closest, shade, trace_shadow, area_round, media_round, project_light, filter_shadow };
         // No batch may send on more than the queues hold.
         let fitting = [
             n_children / scene.max_children.max(1),
