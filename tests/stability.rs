@@ -3,7 +3,7 @@
 use rayloom::bench::stability::{CASES, Effort, Peers, run};
 
 /// Enough to see what is broken; the whole takes 1e9 (docs/stability.md).
-const SHORT: Effort = Effort { rays: 20_000, gpus: false };
+const SHORT: Effort = Effort { rays: 20_000, gpus: false, meshes: String::new() };
 
 #[test]
 fn every_figure_keeps_its_bar() {

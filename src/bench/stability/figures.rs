@@ -14,13 +14,15 @@ use super::meshes::Triangles;
 use super::peers::Peers;
 use crate::accel::AccelKind;
 
-/// How many rays a figure takes, at most.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How much is measured.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Effort {
     /// Rays of the cases that are cheap a ray.
     pub rays: u64,
     /// Measure GPUs as well; software ones too.
     pub gpus: bool,
+    /// Of cases 1 to 3 only meshes whose names hold this.
+    pub meshes: String,
 }
 
 /// What a case measured. All bars are upper ones.
@@ -100,10 +102,10 @@ const CHUNK: u64 = 1 << 14;
 impl<'t> Report<'t> {
     pub(super) fn new(effort: Effort, peers: Peers, told: &'t mut dyn FnMut(&Figure)) -> Self {
         Self {
-            effort,
             case: 0,
             #[cfg(feature = "gpu")]
             gpus: if effort.gpus { crate::backend::gpu::open_all(true) } else { Vec::new() },
+            effort,
             peers,
             figures: Vec::new(),
             told,

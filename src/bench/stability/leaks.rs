@@ -68,6 +68,9 @@ impl Closed {
     }
 
     fn count(&self, report: &mut Report, share: u64, aim: Aim) {
+        if !self.name.contains(&report.effort.meshes) {
+            return;
+        }
         let at = match aim {
             Aim::Anywhere => "random",
             Aim::Vertex => "at vertices",

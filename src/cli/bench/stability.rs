@@ -17,6 +17,9 @@ pub(super) struct StabilityArgs {
     /// Rays of the cheapest cases; the others take their share. 1e9 for the whole, a million takes minutes
     #[arg(long, value_name = "N", default_value = "1e6", value_parser = parse_rays)]
     rays: u64,
+    /// Of cases 1 to 3 only meshes whose names hold this: "ball of 2e6"
+    #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true)]
+    meshes: String,
     /// Which machines
     #[arg(long, default_value = "all", value_parser = ["all", "cpu"])]
     devices: String,
@@ -40,7 +43,7 @@ fn parse_rays(text: &str) -> Result<u64, String> {
 
 /// Runs it. Exit code 1 where a figure misses its bar for no known reason.
 pub(super) fn run(args: &StabilityArgs) -> Result<ExitCode, JobError> {
-    let effort = Effort { rays: args.rays, gpus: args.devices == "all" };
+    let effort = Effort { rays: args.rays, gpus: args.devices == "all", meshes: args.meshes.clone() };
     let asked = |name: &str| args.against.iter().any(|a| a == name);
     let peers = Peers { embree: asked("embree").then(|| args.python.clone()), povray: asked("povray") };
     let mut last = 0;
