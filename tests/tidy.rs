@@ -9,6 +9,7 @@ const RANKS: &[(&str, u8)] = &[
     ("memory", 0),
     ("cpu_time", 0),
     ("savings", 0),
+    ("user_folders", 0),
     ("accel", 1),
     ("diag", 1),
     ("world", 2),
