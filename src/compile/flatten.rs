@@ -153,6 +153,17 @@ const BOXES_FROM: usize = 3;
 /// Objects looked at to count those at the top; unions may hold each other 2^40 times, with nothing in them.
 const MAX_COUNTED: usize = 10_000;
 
+/// Whether the parts of an object at the top become objects at the top themselves.
+fn is_taken_apart(object: &Object) -> bool {
+    object.clipped_by.is_empty()
+        && !object.flags.inverse
+        && match object.shape {
+            Shape::Csg { op: Csg::Union, .. } => object.bounded_by.is_empty() && object.flags.split_union != Some(false),
+            Shape::Group { .. } | Shape::LightGroup { .. } => true,
+            _ => false,
+        }
+}
+
 /// Objects at the top of a scene as POV-Ray counts them, up to [`BOXES_FROM`]: parts of unions that are taken apart one by one, and lamps too
 /// (measured).
 pub(super) fn n_top_level(scene: &scene::Scene) -> usize {
@@ -163,13 +174,13 @@ pub(super) fn n_top_level(scene: &scene::Scene) -> usize {
             break;
         }
         let Some(object) = waiting.pop() else { return n };
-        let plain = object.clipped_by.is_empty() && !object.flags.inverse;
+        let apart = is_taken_apart(object);
         match &object.shape {
-            Shape::Csg { op: Csg::Union, children } if plain && object.bounded_by.is_empty() && object.flags.split_union != Some(false) => {
+            Shape::Csg { children, .. } if apart => {
                 waiting.extend(children);
             }
-            Shape::Group { child } if plain => waiting.push(child),
-            Shape::LightGroup { children, lights, .. } if plain => {
+            Shape::Group { child } if apart => waiting.push(child),
+            Shape::LightGroup { children, lights, .. } if apart => {
                 n += lights.len();
                 waiting.extend(children);
             }
@@ -267,14 +278,12 @@ impl Flattener {
     fn top_level(&mut self, object: &Object, above: &Inherited, role: Role) -> Result<(), CompileError> {
         let entered = self.enter(object, above, role);
         self.count_object(&entered)?;
-        let plain = object.clipped_by.is_empty() && !object.flags.inverse;
+        let apart = is_taken_apart(object);
         let inside = entered.dissolve(object);
         match &object.shape {
-            Shape::Csg { op: Csg::Union, children } if plain && object.bounded_by.is_empty() && object.flags.split_union != Some(false) => {
-                children.iter().try_for_each(|c| self.top_level(c, &inside, role))
-            }
-            Shape::Group { child } if plain => self.top_level(child, &inside, role),
-            Shape::LightGroup { children, lights, global_lights } if plain => {
+            Shape::Csg { children, .. } if apart => children.iter().try_for_each(|c| self.top_level(c, &inside, role)),
+            Shape::Group { child } if apart => self.top_level(child, &inside, role),
+            Shape::LightGroup { children, lights, global_lights } if apart => {
                 let mut inside = inside;
                 self.enter_light_group(&mut inside, *global_lights);
                 lights.iter().try_for_each(|l| self.light(l, &inside))?;

@@ -24,6 +24,7 @@ pub use exr_file::{Part, read_exr};
 pub use format::FileFormat;
 pub use layer::{Layer, PixelSamples, add_share, write_ranks};
 pub use merge::merge;
+pub(crate) use write::replace_file;
 pub use write::{DENOISED, Metadata, check_writable, encode_picture, write_picture};
 
 /// A picture being made: linear working-space colour and transparency, `[height][width]`, row-major, top row first.

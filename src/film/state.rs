@@ -3,7 +3,7 @@
 //! A file is `MAGIC`, the fingerprint (length and bytes), width and height, runs of finished pixels (first, count, then samples and
 //! four floats of each, then the values of its passes), and a checksum over all of it; numbers are little-endian.
 
-use super::write::replace_file;
+use super::replace_file;
 use super::{Film, FilmError};
 use crate::scene::{Pass, PassSet};
 use std::path::{Path, PathBuf};

@@ -58,7 +58,7 @@ pub fn write_picture(path: &Path, film: &Film, format: &FileFormat, encoding: &E
 }
 
 /// Puts `bytes` into a new file beside `path`, then gives it that name.
-pub(super) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), FilmError> {
+pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), FilmError> {
     let failed = |source| FilmError::io("write", path, source);
     // Devices and pipes (/dev/null, /dev/stdout) cannot be replaced.
     if path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir()) {

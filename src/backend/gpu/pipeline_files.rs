@@ -7,6 +7,7 @@
 //! wgpu looks at the device and the driver's version, and the driver at the shaders.
 #![allow(unsafe_code)]
 
+use crate::film::replace_file;
 use crate::film::state::checksum;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -86,15 +87,13 @@ fn read(path: &Path) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// Writes beside, then renames: other runs see all of it or nothing.
+/// Other runs see all of it or nothing.
 fn write(path: &Path, data: &[u8]) -> std::io::Result<()> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    std::io::Write::write_all(&mut file, &checksum(data).to_le_bytes())?;
-    std::io::Write::write_all(&mut file, data)?;
-    file.persist(path)?;
-    Ok(())
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    let bytes = [&checksum(data).to_le_bytes(), data].concat();
+    replace_file(path, &bytes).map_err(std::io::Error::other)
 }
 
 /// Removes the files used longest ago until the others take three quarters of `limit`, if all take more than it.
