@@ -14,10 +14,14 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Any frame about unit `n`. Source: Duff et al. 2017.
+    /// Where [`Frame::about`] changes from one pole's frame to the other's.
+    const TURNS_AT: f32 = -1e-5;
+
+    /// Any frame about unit `n`. Source: Duff et al. 2017. It turns where z is a little below 0, not at 0: the normals of upright walls have a z of
+    /// ±1e-9, whose sign is rounding's, and two machines would draw other directions for the same random numbers.
     #[inline]
     pub fn about(n: Vec3) -> Self {
-        let sign = 1.0f32.copysign(n.z);
+        let sign = if n.z >= Self::TURNS_AT { 1.0 } else { -1.0f32 };
         let a = -1.0 / (sign + n.z);
         let b = n.x * n.y * a;
         Self { t: Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), b: Vec3::new(b, sign + n.y * n.y * a, -n.y), n }

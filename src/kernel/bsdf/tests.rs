@@ -175,3 +175,18 @@ fn sets_of_lobes_with_bent_normals_draw_what_their_densities_say() {
         assert!(score < 4.0, "{name}: score {score:.1}");
     }
 }
+
+/// Frames are orthonormal and right-handed all around the sphere, and an upright wall's is the same whichever sign rounding gave the z of its normal.
+#[test]
+fn frames_do_not_turn_with_rounding() {
+    for i in 0..1000 {
+        let n = uniform_sphere((i as f32 + 0.5) / 1000.0, (i as f32 * 0.618_034).fract());
+        let f = Frame::about(n);
+        for (a, b) in [(f.t.cross(f.b), n), (f.b.cross(n), f.t), (n.cross(f.t), f.b)] {
+            assert!((a - b).length() < 1e-5, "{n:?} has {f:?}");
+        }
+        let wall = Vec3::new(n.x, n.y, 0.0).normalize();
+        let (above, below) = (Frame::about(wall + Vec3::Z * 1e-9), Frame::about(wall - Vec3::Z * 1e-9));
+        assert!((above.t - below.t).length() < 1e-6, "{wall:?} has {above:?} and {below:?}");
+    }
+}
