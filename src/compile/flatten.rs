@@ -159,7 +159,9 @@ fn is_taken_apart(object: &Object) -> bool {
         && !object.flags.inverse
         && match object.shape {
             Shape::Csg { op: Csg::Union, .. } => object.bounded_by.is_empty() && object.flags.split_union != Some(false),
-            Shape::Group { .. } | Shape::LightGroup { .. } => true,
+            // A declared set carries its bounds on the node around it.
+            Shape::Group { .. } => object.bounded_by.is_empty(),
+            Shape::LightGroup { .. } => true,
             _ => false,
         }
 }
@@ -674,7 +676,7 @@ impl Flattener {
     /// that is already cut, which counts where there are three objects or more, and not for shapes that work their box out anew (measured:
     /// every shape).
     fn apply_bounds(&mut self, object: &Object, space: &Inherited, node: &mut Node) -> Result<(), CompileError> {
-        let composite = matches!(object.shape, Shape::Csg { .. } | Shape::Poly { .. } | Shape::Text { .. });
+        let composite = matches!(object.shape, Shape::Csg { .. } | Shape::Group { .. } | Shape::Poly { .. } | Shape::Text { .. });
         node.keeps_bounds = composite || node.surface_bounds.is_unbounded() || self.n_top_level == usize::MAX;
         let anew = matches!(
             object.shape,
@@ -771,6 +773,8 @@ impl Flattener {
         if self.geometry.prims.len() >= MAX_PRIMS {
             return Err(CompileError::TooMany { what: "primitives", count: MAX_PRIMS as u64 + 1, limit: MAX_PRIMS as u64 });
         }
+        // POV-Ray's patches have no inside, turned round neither: a difference that takes one off is empty but for the patch (measured).
+        let inverted = inverted && leaf.solid;
         let mut flags = inside.flags;
         flags |= if inverted { prim_flags::INVERTED } else { 0 };
         flags |= if in_csg { prim_flags::CSG_CHILD } else { 0 };

@@ -121,6 +121,12 @@ pub struct Prim {
 }
 
 impl Prim {
+    /// Whether a ray's hits beyond the first are wanted too, as CSG or clip objects may take the first away.
+    #[inline]
+    pub fn wants_all_hits(&self) -> bool {
+        self.flags & prim_flags::CSG_CHILD != 0 || self.clip_len != 0
+    }
+
     /// Whether a test of it costs less than one of its box.
     #[inline]
     pub fn is_cheap(&self) -> bool {

@@ -117,6 +117,8 @@ fn by_pattern(
                 None => cells::nearest_facet(n / size, metric),
                 Some(c) => {
                     let e = noise_vector(cells::nearest_facet(p / size, metric));
+                    // A normal that `no_bump_scale` left long is made unit here all the same (measured).
+                    let n = n.try_normalize().unwrap_or(n);
                     n + c * (e - n * e.dot(n))
                 }
             }

@@ -2,7 +2,7 @@
 
 use super::buffers::{append, bits, bits3, inverse_reals, outward, real};
 use super::mesh_buffers::MeshWords;
-use crate::compile::geometry::{Prim, PrimKind, prim_flags};
+use crate::compile::geometry::{Prim, PrimKind};
 use crate::compile::shape::blob::{BlobElementKind, BlobShape, GROUP};
 use crate::compile::shape::curve::CurveSegment;
 use crate::compile::shape::{HeightFieldShape, IsosurfaceShape, JuliaShape, LatheShape, PolyShape, PrismShape, SorShape};
@@ -62,7 +62,7 @@ pub(super) fn encode_shape(scene: &CompiledScene, p: &Prim, meshes: &MeshWords, 
         PrimKind::Superellipsoid => vec![n(s.superellipsoids[ix].xy_power), n(s.superellipsoids[ix].z_power)],
         PrimKind::HeightField => height_field(&s.height_fields[ix], words),
         PrimKind::Isosurface => isosurface(&s.isosurfaces[ix]),
-        PrimKind::JuliaFractal => julia(&s.julias[ix], p.flags & prim_flags::CSG_CHILD == 0),
+        PrimKind::JuliaFractal => julia(&s.julias[ix], !p.wants_all_hits()),
         _ => Vec::new(),
     };
     append(words, new)

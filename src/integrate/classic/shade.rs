@@ -314,7 +314,7 @@ impl Tracer<'_> {
         let finish = &self.scene.textures.finishes[m.finish as usize];
         let dir = reflect(ctx.ray.ray.dir, m.normal, ctx.normal);
         let seen = self.reflected_ray(ctx, dir, m.weight);
-        reflected_power(seen.rgb, finish.reflection.exponent) * self.film(ctx, m.finish, m.normal, dir)
+        reflected_power(seen.rgb * self.film(ctx, m.finish, m.normal, dir), finish.reflection.exponent)
     }
 
     /// What the thin film of a finish (or `NONE`) makes of light that leaves along `dir`.

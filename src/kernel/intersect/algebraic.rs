@@ -251,6 +251,9 @@ pub fn poly_normal(s: &PolyShape, p: DVec3) -> DVec3 {
 /// Half size of the box that a superellipsoid is looked for in.
 const SUPERELLIPSOID_REACH: f64 = 1.01;
 
+/// How far along a piece a ray that starts on the surface is asked whether it goes in.
+const START_STEP: f64 = 1e-3;
+
 /// (a^p + b^p)^(1/p), safe for large powers.
 #[inline]
 fn norm(a: f64, b: f64, p: f64) -> f64 {
@@ -343,6 +346,12 @@ pub fn intersect_superellipsoid(s: &SuperellipsoidShape, ray: &LocalRay, all: bo
             }
         } else if va * vb < 0.0 && va.abs() >= EPSILON {
             if sink_at(refine(&value, a, va, b, vb), sink) && !all {
+                return;
+            }
+        } else if va.abs() < EPSILON && vb > 0.0 && value(a + START_STEP * (b - a)) < 0.0 {
+            // From the surface through a corner and out again within one piece.
+            let t = a + START_STEP * (b - a);
+            if sink_at(refine(&value, t, value(t), b, vb), sink) && !all {
                 return;
             }
         } else if va > 0.0 && vb > 0.0 {

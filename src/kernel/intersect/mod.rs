@@ -19,7 +19,7 @@ pub mod triangle;
 
 use super::function::call_function;
 use crate::compile::CompiledScene;
-use crate::compile::geometry::{Geometry, Prim, PrimKind, prim_flags};
+use crate::compile::geometry::{Geometry, Prim, PrimKind};
 use crate::math::{Bounds, DVec2, DVec3, EPSILON, Transform};
 
 /// Where on a shape a hit lies, kept until the normal is wanted. What the numbers mean is the shape's business.
@@ -113,7 +113,7 @@ pub fn intersect_shape(scene: &CompiledScene, prim: &Prim, ray: &LocalRay, sink:
 fn intersect_rarer(scene: &CompiledScene, prim: &Prim, ray: &LocalRay, sink: &mut impl HitSink) {
     let ix = prim.shape_ix as usize;
     let s = &scene.geometry.shapes;
-    let all = || prim.flags & prim_flags::CSG_CHILD != 0;
+    let all = || prim.wants_all_hits();
     match prim.kind {
         PrimKind::Sphere => simple::intersect_sphere(&s.spheres[ix], ray, sink),
         PrimKind::Box => simple::intersect_box(&s.boxes[ix], ray, sink),

@@ -98,8 +98,10 @@ impl Parser<'_> {
             let Some(k) = self.peek_kw()? else { return Ok(()) };
             match k {
                 Kw::Shadowless => {
+                    // A light is of one kind, and this is one: the last word holds, so a cone before it is gone (measured).
                     self.next()?;
                     light.shadowless = true;
+                    beam.kind = None;
                 }
                 Kw::Parallel => {
                     self.next()?;
@@ -108,10 +110,12 @@ impl Parser<'_> {
                 Kw::Spotlight => {
                     self.next()?;
                     (beam.kind, beam.radius, beam.falloff, beam.tightness) = (Some(k), 30.0, 45.0, 0.0);
+                    light.shadowless = false;
                 }
                 Kw::Cylinder => {
                     self.next()?;
                     (beam.kind, beam.radius, beam.falloff, beam.tightness) = (Some(k), 0.75, 1.0, 0.0);
+                    light.shadowless = false;
                     light.parallel = true;
                 }
                 Kw::PointAt => {

@@ -94,7 +94,7 @@ impl Parser<'_> {
                 _ => FLAT,
             };
             b.mesh.normal_indices.push(normal_ix);
-            let uv_ix = uvs.unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]).map(|uv| b.uv(uv));
+            let uv_ix = uvs.unwrap_or([DVec2::ZERO; 3]).map(|uv| b.uv(uv));
             b.mesh.uv_indices.push(uv_ix);
             any_texture |= textures.is_some();
             let texture_ix = textures.map_or(FLAT, |t| t.map(|t| b.texture(t)));
