@@ -17,8 +17,6 @@ pub enum Saving {
     Blockers,
     Interiors,
     Shafts,
-    Cells,
-    Leaving,
     Bailout,
     Antialias,
 }
@@ -52,7 +50,7 @@ const fn row(saving: Saving, name: &'static str, pixels: Pixels, what: &'static 
 }
 
 /// All savings, in the order of [`Saving`].
-pub const SAVINGS: [SavingInfo; 13] = [
+pub const SAVINGS: [SavingInfo; 11] = [
     row(Saving::Shaders, "shaders", Pixels::Rounded, "GPU: code in shaders for what the scene does not use"),
     row(Saving::Attributes, "attributes", Pixels::Same, "GPU: texture coordinates that nothing asks for"),
     row(Saving::Textures, "textures", Pixels::Same, "glTF: decoding pictures that no visible material uses"),
@@ -62,8 +60,6 @@ pub const SAVINGS: [SavingInfo; 13] = [
     row(Saving::Blockers, "blockers", Pixels::Same, "looking for another blocker where the last one still stands in the way"),
     row(Saving::Interiors, "interiors", Pixels::Same, "asking solids far from a ray's start whether it is inside"),
     row(Saving::Shafts, "shafts", Pixels::Same, "walking the tree for each point of an area light"),
-    row(Saving::Cells, "cells", Pixels::Same, "walking the tree for shadow rays from places whose way to the light was looked up"),
-    row(Saving::Leaving, "leaving", Pixels::Same, "testing a convex or flat surface that a ray has just left"),
     row(Saving::Bailout, "bailout", Pixels::Different, "rays that add less than adc_bailout"),
     row(Saving::Antialias, "antialias", Pixels::Different, "samples of pixels that are smooth already (antialiasing, noise threshold)"),
 ];

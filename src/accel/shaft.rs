@@ -117,11 +117,6 @@ impl Candidates {
         self.n == 0
     }
 
-    /// All of them.
-    pub fn prims(&self) -> impl Iterator<Item = u32> + '_ {
-        (0..self.n).map(|k| self.packs[k / WIDTH].child[k % WIDTH])
-    }
-
     fn push(&mut self, bounds: &BoxF, prim: u32) {
         let place = self.n % WIDTH;
         if place == 0 {

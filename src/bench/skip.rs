@@ -76,14 +76,10 @@ pub fn why_not(saving: Saving, scene: &CompiledScene, unread: &Unread, format: S
         Saving::Textures if unread.pictures[0] == 0 => Some("all pictures are used"),
         Saving::Trees | Saving::Frames if g.shapes.meshes.is_empty() => Some("there are no meshes"),
         Saving::Frames if !pov => Some("models have one frame"),
-        Saving::Lights | Saving::Blockers | Saving::Interiors | Saving::Shafts | Saving::Cells | Saving::Leaving | Saving::Bailout
-            if is_path =>
-        {
+        Saving::Lights | Saving::Blockers | Saving::Interiors | Saving::Shafts | Saving::Bailout if is_path => {
             Some("the path integrator chooses its rays itself")
         }
-        Saving::Lights | Saving::Blockers | Saving::Cells if scene.lights.iter().all(|l| l.light.shadowless) => {
-            Some("no light casts shadows")
-        }
+        Saving::Lights | Saving::Blockers if scene.lights.iter().all(|l| l.light.shadowless) => Some("no light casts shadows"),
         Saving::Lights if !scene.media.is_empty() => Some("media draw random numbers on the way to lights"),
         Saving::Interiors if g.solids.is_empty() => Some("no solid has an interior"),
         Saving::Shafts if !scene.lights.iter().any(|l| l.light.area.as_ref().is_some_and(takes_shafts)) => {

@@ -126,16 +126,6 @@ impl Prim {
     pub fn wants_all_hits(&self) -> bool {
         self.flags & prim_flags::CSG_CHILD != 0 || self.clip_len != 0
     }
-
-    /// Whether a test of it costs less than one of its box.
-    #[inline]
-    pub fn is_cheap(&self) -> bool {
-        match self.kind {
-            PrimKind::Sphere | PrimKind::Plane | PrimKind::Box | PrimKind::Disc => self.transform_ix == 0 && self.clip_len == 0,
-            PrimKind::Triangle => true,
-            _ => false,
-        }
-    }
 }
 
 /// What covers a primitive.
@@ -174,6 +164,9 @@ pub enum InsideStep {
     /// May skip the next `skip` steps when the point is outside box `box_ix` of [`Geometry::clip_boxes`]:
     /// they could not make the program false there. A hint, right to ignore.
     SkipOutside { box_ix: u32, skip: u32 },
+    /// May push false and skip the next `skip` steps when the point is outside box `box_ix` of [`Geometry::clip_boxes`]:
+    /// they would push false there. A hint, right to ignore.
+    FalseOutside { box_ix: u32, skip: u32 },
 }
 
 /// A range of steps.

@@ -41,7 +41,7 @@ pub(super) struct Node {
     pub is_difference: bool,
 }
 
-/// Most children under one box test. Picked by feel.
+/// Most children that are asked one by one, without a box around some of them. Picked by feel.
 const GROUP: usize = 8;
 
 /// Writes steps for the nodes of one object.
@@ -85,22 +85,45 @@ impl ProgramWriter<'_> {
     pub fn value(&mut self, node: usize, out: &mut Vec<InsideStep>) {
         let nodes = self.nodes;
         let n = &nodes[node];
-        let join = |w: &mut Self, list: &[usize], step: InsideStep, out: &mut Vec<InsideStep>| {
-            for (k, c) in list.iter().enumerate() {
-                w.value(*c, out);
-                if k > 0 {
-                    out.push(step);
-                }
-            }
-        };
         match &n.kind {
             NodeKind::Leaf(p) => out.push(InsideStep::Prim(*p)),
-            NodeKind::All(c) => join(self, c, InsideStep::And, out),
-            NodeKind::Any(c) | NodeKind::Merge(c) => join(self, c, InsideStep::Or, out),
+            NodeKind::All(children) => {
+                for (k, c) in children.iter().enumerate() {
+                    self.value(*c, out);
+                    if k > 0 {
+                        out.push(InsideStep::And);
+                    }
+                }
+            }
+            NodeKind::Any(children) | NodeKind::Merge(children) => self.any_value(children, out),
         }
         for c in &n.clips {
             self.value(*c, out);
             out.push(InsideStep::And);
+        }
+    }
+
+    /// Steps that push "inside any of `children`". Where a box test says that a point is in none of a part, the part is not gone into.
+    fn any_value(&mut self, children: &[usize], out: &mut Vec<InsideStep>) {
+        let parts = neighbours(children, |c| self.nodes[c].bounds);
+        for (k, part) in parts.iter().enumerate() {
+            let holds = part.iter().fold(Bounds::EMPTY, |b, c| b.union(self.nodes[*c].bounds));
+            let costs_more_than_a_box = part.len() > 1 || !matches!(self.nodes[part[0]].kind, NodeKind::Leaf(_));
+            let at = out.len();
+            let guard = costs_more_than_a_box && !holds.is_unbounded();
+            if guard {
+                out.push(InsideStep::Not); // replaced below
+            }
+            match part.as_slice() {
+                [one] => self.value(*one, out),
+                part => self.any_value(part, out),
+            }
+            if guard {
+                out[at] = InsideStep::FalseOutside { box_ix: self.box_ix(holds), skip: (out.len() - at - 1) as u32 };
+            }
+            if k > 0 {
+                out.push(InsideStep::Or);
+            }
         }
     }
 
@@ -125,8 +148,8 @@ impl ProgramWriter<'_> {
         let holds = children.iter().fold(Bounds::EMPTY, |b, c| b.union(if want { nodes[*c].cobounds } else { nodes[*c].bounds }));
         self.guarded(&holds, children.len(), out, |w, out| {
             if children.len() > GROUP {
-                let size = children.len().div_ceil(GROUP).max(GROUP);
-                return children.chunks(size).for_each(|part| w.require_each(part, want, but_own, out));
+                let parts = neighbours(children, |c| if want { nodes[c].cobounds } else { nodes[c].bounds });
+                return parts.iter().for_each(|part| w.require_each(part, want, but_own, out));
             }
             for c in children {
                 let p = &nodes[*c].prims;
@@ -151,11 +174,31 @@ impl ProgramWriter<'_> {
         }
         f(self, out);
         if guard {
-            let box_ix = self.boxes.len() as u32;
-            self.boxes.push(*holds);
-            out[at] = InsideStep::SkipOutside { box_ix, skip: (out.len() - at - 1) as u32 };
+            out[at] = InsideStep::SkipOutside { box_ix: self.box_ix(*holds), skip: (out.len() - at - 1) as u32 };
         }
     }
+
+    /// The place of a box among those that points are tested against.
+    fn box_ix(&mut self, b: Bounds) -> u32 {
+        self.boxes.push(b);
+        self.boxes.len() as u32 - 1
+    }
+}
+
+/// Children in parts whose boxes lie apart as far as may be: each by itself where they are few, else those without a box by groups of
+/// [`GROUP`], then the two halves of the rest along the axis that their middles are farthest apart on. Each part is smaller than the whole.
+fn neighbours(children: &[usize], bounds: impl Fn(usize) -> Bounds) -> Vec<Vec<usize>> {
+    if children.len() <= GROUP {
+        return children.iter().map(|c| vec![*c]).collect();
+    }
+    let (open, mut closed): (Vec<usize>, Vec<usize>) = children.iter().partition(|c| bounds(**c).is_unbounded() || bounds(**c).is_empty());
+    let mut parts: Vec<Vec<usize>> = open.chunks(GROUP).map(<[usize]>::to_vec).collect();
+    let middles = closed.iter().fold(Bounds::EMPTY, |b, c| b.including(bounds(*c).center()));
+    let axis = middles.size().max_position();
+    closed.sort_by(|a, b| bounds(*a).center()[axis].total_cmp(&bounds(*b).center()[axis]));
+    let (low, high) = closed.split_at(closed.len() / 2);
+    parts.extend([low, high].into_iter().filter(|half| !half.is_empty()).map(<[usize]>::to_vec));
+    parts
 }
 
 /// Deepest stack that `steps` need.

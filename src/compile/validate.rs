@@ -79,7 +79,9 @@ impl Geometry {
             let ok = match *s {
                 InsideStep::Prim(ix) | InsideStep::RequireIn(ix) | InsideStep::RequireOut(ix) => (ix as usize) < self.prims.len(),
                 InsideStep::SkipOwn { first, count, skip } => skip <= left && (first as usize + count as usize) <= self.prims.len(),
-                InsideStep::SkipOutside { box_ix, skip } => skip <= left && (box_ix as usize) < self.clip_boxes.len(),
+                InsideStep::SkipOutside { box_ix, skip } | InsideStep::FalseOutside { box_ix, skip } => {
+                    skip <= left && (box_ix as usize) < self.clip_boxes.len()
+                }
                 InsideStep::And | InsideStep::Or | InsideStep::Not | InsideStep::Require => true,
             };
             if !ok {

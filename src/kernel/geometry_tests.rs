@@ -84,6 +84,42 @@ fn merge_keeps_outer_surfaces_only_and_union_keeps_all() {
 }
 
 #[test]
+fn unions_of_many_shells_are_as_each_shell_by_itself() {
+    let shells: Vec<(DVec3, f64)> =
+        scattered(150).enumerate().map(|(k, d)| (4.0 * d * ((k % 10) as f64 / 10.0), 0.2 + 0.01 * (k % 40) as f64)).collect();
+    let all = || {
+        let mut all: Vec<Object> = shells.iter().map(|(c, r)| csg(Csg::Difference, vec![sphere(*c, *r), sphere(*c, 0.8 * r)])).collect();
+        // Without bounds.
+        all.insert(70, Object::new(Shape::Plane { normal: DVec3::Y, distance: -2.5 }));
+        csg(Csg::Union, all)
+    };
+    let part = csg(Csg::Intersection, vec![all(), cube(-3.0, 3.0)]);
+    let rest = csg(Csg::Difference, vec![cube(-3.0, 3.0), all()]);
+    let scene = compiled(vec![part, rest]);
+    let holds = |p: DVec3| p.y < -2.5 || shells.iter().any(|(c, r)| (0.8 * r..*r).contains(&p.distance(*c)));
+    let mut n_inside = 0;
+    for (k, d) in scattered(5000).enumerate() {
+        let p = 2.9137 * d * (0.2 + 0.1 * (k % 9) as f64);
+        assert_eq!([inside_object(&scene, 0, p), inside_object(&scene, 1, p)], [holds(p), !holds(p)], "{p}");
+        n_inside += u32::from(holds(p));
+    }
+    assert!((300..4700).contains(&n_inside), "{n_inside}");
+}
+
+#[test]
+fn merges_of_many_show_no_surface_inside_any() {
+    let balls: Vec<(DVec3, f64)> =
+        scattered(60).enumerate().map(|(k, d)| (0.3 * d * (k % 10) as f64, 0.4 + 0.01 * (k % 20) as f64)).collect();
+    let scene = compiled(vec![csg(Csg::Merge, balls.iter().map(|(c, r)| sphere(*c, *r)).collect())]);
+    let is_inside = |p: DVec3| balls.iter().any(|(c, r)| p.distance(*c) < *r);
+    for d in scattered(500) {
+        let h = intersect(&scene, &Ray::new(0.1 * d, d), MIN_DEPTH, 1e7, 0).expect("a way out");
+        let [before, behind] = [-1e-6, 1e-6].map(|e| is_inside(h.point + e * d));
+        assert!(before && !behind, "{h:?}");
+    }
+}
+
+#[test]
 fn clipped_by_makes_holes_without_caps() {
     let mut o = sphere(DVec3::ZERO, 1.0);
     o.clipped_by.push(Object::new(Shape::Plane { normal: -DVec3::Z, distance: 0.0 }));

@@ -39,8 +39,14 @@ pub fn run_program(scene: &CompiledScene, program: InsideProgram, own: u32, p: D
                 }
             }
             InsideStep::SkipOutside { box_ix, skip } => {
-                let b = &g.clip_boxes[box_ix as usize];
-                if !(p.cmpge(b.min).all() && p.cmple(b.max).all()) {
+                if !holds(&g.clip_boxes[box_ix as usize], p) {
+                    k += skip as usize;
+                }
+            }
+            InsideStep::FalseOutside { box_ix, skip } => {
+                if !holds(&g.clip_boxes[box_ix as usize], p) {
+                    stack <<= 1;
+                    depth += 1;
                     k += skip as usize;
                 }
             }
@@ -69,11 +75,17 @@ pub fn run_program(scene: &CompiledScene, program: InsideProgram, own: u32, p: D
     depth == 0 || stack & 1 == 1
 }
 
+/// Whether a point lies in a box, its faces included.
+#[inline(always)]
+fn holds(b: &Bounds, p: DVec3) -> bool {
+    p.cmpge(b.min).all() && p.cmple(b.max).all()
+}
+
 /// Whether world point `p` is inside object `object_ix` of `Geometry::objects` as a whole.
 pub fn inside_object(scene: &CompiledScene, object_ix: u32, p: DVec3) -> bool {
     let object = &scene.geometry.objects[object_ix as usize];
     let b = &object.inside_bounds;
-    object.inside.len > 0 && p.cmpge(b.min).all() && p.cmple(b.max).all() && run_program(scene, object.inside, u32::MAX, p)
+    object.inside.len > 0 && holds(b, p) && run_program(scene, object.inside, u32::MAX, p)
 }
 
 /// Places for solids whose box holds a point; where more do, all are looked through.
@@ -83,7 +95,7 @@ const N_NEAR: usize = 32;
 pub fn containing_interiors(scene: &CompiledScene, p: DVec3, mut f: impl FnMut(u32)) {
     let g = &scene.geometry;
     let mut look = |(b, k): &(Bounds, u32)| {
-        if p.cmpge(b.min).all() && p.cmple(b.max).all() && inside_object(scene, *k, p) {
+        if holds(b, p) && inside_object(scene, *k, p) {
             f(g.objects[*k as usize].interior_ix);
         }
     };

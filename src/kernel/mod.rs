@@ -12,7 +12,6 @@ mod geometry_tests;
 pub mod image;
 pub mod inside;
 pub mod intersect;
-pub mod leaving;
 pub mod lens;
 pub mod light;
 pub mod material;

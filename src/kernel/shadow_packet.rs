@@ -1,7 +1,7 @@
 //! Shadow rays together: which of them an opaque thing stops, which may cross clear things. For rays that start in one point or end in one,
 //! such as those to the points of an area light, the scene's tree is walked once (`accel/packet`).
 
-use super::traverse::{Among, Nearest, ShadowHints, is_blocker, meets_plain};
+use super::traverse::{Nearest, is_blocker, meets_plain};
 use crate::accel::{Accel, Bvh8, Fars, GROUPS, LANES, PACKET, Packet, PacketVisitor, round_up};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
@@ -20,27 +20,18 @@ pub struct ShadowMasks {
 }
 
 /// As [`super::traverse::intersect_shadow`] for ray `k` up to `far(k)`, told for all rays at once: the same rays are stopped, the same meet
-/// nothing. `None` where the scene's tree is of a kind that packets do not go through.
-pub fn intersect_shadows(
-    scene: &CompiledScene,
-    packet: &Packet,
-    t_min: f64,
-    far: &[f64; PACKET],
-    hints: &ShadowHints,
-) -> Option<ShadowMasks> {
+/// nothing. `last` (a primitive or `u32::MAX`) is tried first. `None` where the scene's tree is of a kind that packets do not go through.
+pub fn intersect_shadows(scene: &CompiledScene, packet: &Packet, t_min: f64, far: &[f64; PACKET], last: u32) -> Option<ShadowMasks> {
     let g = &scene.geometry;
-    let few = if let Among::Few(list) = hints.among { Some(list) } else { None };
     let tree = match &g.tree {
-        _ if few.is_some() => None,
         Accel::Bvh8(tree) if tree.is_single => Some(tree),
         Accel::Brute(0) => None,
         _ => return None,
     };
     let masks = ShadowMasks { blocker: u32::MAX, ..ShadowMasks::default() };
-    let &ShadowHints { last, left, .. } = hints;
-    let mut shadows = Shadows { scene, packet, t_min, t_max: far, last, left, masks, bounds_asked: [(u32::MAX, true); PACKET] };
+    let mut shadows = Shadows { scene, packet, t_min, t_max: far, last, masks, bounds_asked: [(u32::MAX, true); PACKET] };
     let all = u64::MAX >> (PACKET - packet.len().clamp(1, PACKET));
-    if last != left && g.prims.get(last as usize).is_some_and(is_blocker) {
+    if g.prims.get(last as usize).is_some_and(is_blocker) {
         shadows.test(last, all);
     }
     if let Some(tree) = tree
@@ -52,7 +43,7 @@ pub fn intersect_shadows(
         }
         simd::run_widest(Walk { tree, t_min, fars, shadows: &mut shadows });
     }
-    for prim_ix in few.unwrap_or(&g.unbounded) {
+    for prim_ix in &g.unbounded {
         shadows.offer(*prim_ix, all);
     }
     shadows.masks.clear &= !shadows.masks.blocked;
@@ -107,7 +98,6 @@ struct Shadows<'a> {
     t_min: f64,
     t_max: &'a [f64; PACKET],
     last: u32,
-    left: u32,
     masks: ShadowMasks,
     /// By ray: the object whose bounds were asked last, and the answer.
     bounds_asked: [(u32, bool); PACKET],
@@ -117,7 +107,7 @@ impl Shadows<'_> {
     /// Tests a primitive that throws shadows for those of `rays` to which it may matter; gives those that it stops.
     fn offer(&mut self, prim_ix: u32, rays: u64) -> u64 {
         let flags = self.scene.geometry.prims[prim_ix as usize].flags;
-        if flags & prim_flags::NO_SHADOW != 0 || prim_ix == self.last || prim_ix == self.left {
+        if flags & prim_flags::NO_SHADOW != 0 || prim_ix == self.last {
             return 0;
         }
         self.test(prim_ix, rays)

@@ -44,13 +44,6 @@ pub fn intersect(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_
     nearest.finish()
 }
 
-/// As [`intersect`], for a ray that starts on primitive `left` and cannot meet it again ([`super::leaving::left_behind`]; `u32::MAX` for none).
-pub fn intersect_leaving(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64, skip_flags: u32, left: u32) -> Option<SurfaceHit> {
-    let mut nearest = Nearest { tie: TIE, left, ..Nearest::new(scene, ray, t_min, t_max) };
-    for_candidates(&scene.geometry, &mut nearest, skip_flags);
-    nearest.finish()
-}
-
 /// Nearest hit of a ray that runs below a surface that light scatters under: hits near its start count, whatever the shape.
 pub fn intersect_below(scene: &CompiledScene, ray: &Ray, t_min: f64, t_max: f64) -> Option<SurfaceHit> {
     let mut nearest = Nearest { tie: TIE, below_surface: true, ..Nearest::new(scene, ray, t_min, t_max) };
@@ -99,8 +92,6 @@ pub enum Among<'c> {
     All,
     /// Of primitives with bounds it can meet these alone.
     Candidates(&'c Candidates),
-    /// It can meet these alone.
-    Few(&'c [u32]),
 }
 
 /// What is known of a shadow ray before it is traced.
@@ -108,15 +99,13 @@ pub enum Among<'c> {
 pub struct ShadowHints<'c> {
     /// A primitive that is tried first, or `u32::MAX`.
     pub last: u32,
-    /// A primitive that it cannot meet ([`super::leaving::left_behind`]), or `u32::MAX`.
-    pub left: u32,
     /// Where it looks.
     pub among: Among<'c>,
 }
 
 impl ShadowHints<'_> {
     /// Nothing.
-    pub const NONE: Self = Self { last: u32::MAX, left: u32::MAX, among: Among::All };
+    pub const NONE: Self = Self { last: u32::MAX, among: Among::All };
 }
 
 /// What lies on `ray` with `t_min < t < t_max`: stops at the first opaque hit found anywhere. Primitives without shadow are skipped.
@@ -138,7 +127,6 @@ pub fn intersect_shadow_noting(
     let meets_nothing = match hints.among {
         Among::All => false,
         Among::Candidates(list) => list.is_empty() && scene.geometry.unbounded.is_empty(),
-        Among::Few(list) => list.iter().all(|p| *p == hints.left),
     };
     if meets_nothing {
         return ShadowHit::None;
@@ -205,7 +193,7 @@ fn shadow(
     time: f64,
     t_min: f64,
     t_max: f64,
-    &ShadowHints { last, left, among }: &ShadowHints,
+    &ShadowHints { last, among }: &ShadowHints,
     noted: &mut ClearPrims,
 ) -> ShadowHit {
     let g = &scene.geometry;
@@ -222,7 +210,6 @@ fn shadow(
     };
     if let Some(prim) = g.prims.get(last as usize)
         && is_blocker(prim)
-        && last != left
         && stops(last, prim)
     {
         return ShadowHit::Opaque { prim_ix: last };
@@ -230,7 +217,7 @@ fn shadow(
     let mut blocker = u32::MAX;
     let mut test = |prim_ix: u32| {
         let prim = &g.prims[prim_ix as usize];
-        if prim.flags & prim_flags::NO_SHADOW != 0 || prim_ix == last || prim_ix == left {
+        if prim.flags & prim_flags::NO_SHADOW != 0 || prim_ix == last {
             return false;
         }
         if prim.flags & prim_flags::TRANSPARENT != 0 {
@@ -245,26 +232,14 @@ fn shadow(
         is_stopped
     };
     let blocked = match among {
-        Among::Few(list) => any_of_few(g, ray, t_max, list, &mut test),
         Among::Candidates(list) => list.any(ray, t_min, t_max, |k| test(g.bounded[k as usize])),
         Among::All if g.tree.tests_own_boxes() => g.tree.any(ray, t_min, t_max, |k| test(g.bounded[k as usize])),
         Among::All => any_in_doubt(g, ray, t_min, t_max, &mut test),
     };
-    let is_all = matches!(among, Among::Few(_));
-    if blocked || !is_all && g.unbounded.iter().any(|p| test(*p)) {
+    if blocked || g.unbounded.iter().any(|p| test(*p)) {
         return ShadowHit::Opaque { prim_ix: blocker };
     }
     clear.finish().map_or(ShadowHit::None, ShadowHit::Transparent)
-}
-
-/// Whether `test` says yes to any primitive of a list, of which those are asked that cost less than their boxes or whose boxes are met.
-#[inline(always)]
-fn any_of_few(g: &Geometry, ray: &Ray, t_max: f64, list: &[u32], test: &mut impl FnMut(u32) -> bool) -> bool {
-    let slabs = Slabs::new(ray);
-    list.iter().any(|p| {
-        let b = &g.bounds[*p as usize];
-        (g.prims[*p as usize].is_cheap() || b.is_unbounded() || slabs.hits(b, t_max)) && test(*p)
-    })
 }
 
 /// Whether `test` says yes to any primitive that a tree offers which does not test the primitives' own boxes. What lies behind others is asked
@@ -305,9 +280,8 @@ fn meets_bounds(scene: &CompiledScene, object_ix: u32, ray: &Ray) -> bool {
 /// Tests the primitives that the ray may meet and that have none of `skip_flags`: those without bounds first, then the tree's, near ones
 /// first.
 fn for_candidates(g: &Geometry, nearest: &mut Nearest, skip_flags: u32) {
-    let left = nearest.left;
     for prim_ix in &g.unbounded {
-        if g.prims[*prim_ix as usize].flags & skip_flags == 0 && *prim_ix != left {
+        if g.prims[*prim_ix as usize].flags & skip_flags == 0 {
             nearest.test(*prim_ix);
         }
     }
@@ -317,10 +291,10 @@ fn for_candidates(g: &Geometry, nearest: &mut Nearest, skip_flags: u32) {
 /// The tree's primitives, those that are worth it.
 #[inline(always)]
 fn closest_of(g: &Geometry, nearest: &mut Nearest, skip_flags: u32, mut is_worth: impl FnMut(u32, f64) -> bool) {
-    let (ray, t_min, t_max, left) = (nearest.ray, nearest.t_min, nearest.limit(), nearest.left);
+    let (ray, t_min, t_max) = (nearest.ray, nearest.t_min, nearest.limit());
     g.tree.closest(ray, t_min, t_max, |k, far| {
         let prim_ix = g.bounded[k as usize];
-        if g.prims[prim_ix as usize].flags & skip_flags != 0 || prim_ix == left || !is_worth(prim_ix, far) {
+        if g.prims[prim_ix as usize].flags & skip_flags != 0 || !is_worth(prim_ix, far) {
             return None;
         }
         nearest.test(prim_ix);
@@ -357,8 +331,6 @@ pub(super) struct Nearest<'a> {
     /// Share of the depth below which depths of two objects are one, and POV-Ray's order decides; 0: the depth alone decides.
     tie: f64,
     below_surface: bool,
-    /// A primitive that is not offered.
-    left: u32,
     // The primitive under test.
     prim: u32,
     clip: InsideProgram,
@@ -382,7 +354,6 @@ impl<'a> Nearest<'a> {
             bounds_asked: (u32::MAX, true),
             tie: 0.0,
             below_surface: false,
-            left: u32::MAX,
             prim: u32::MAX,
             clip: InsideProgram::default(),
             per_world: 1.0,

@@ -109,12 +109,6 @@ impl UniformStream {
         Self { index: seeds.below(UNIFORM_TABLE_LEN) as u32 }
     }
 
-    /// Passes over the next `n` numbers.
-    #[inline]
-    pub fn skip(&mut self, n: u32) {
-        self.index = self.index.wrapping_add(n) % UNIFORM_TABLE_LEN as u32;
-    }
-
     /// The next number, 0..1.
     #[inline]
     pub fn draw(&mut self) -> f64 {

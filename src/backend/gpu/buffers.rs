@@ -434,6 +434,8 @@ fn clip_step(s: &InsideStep) -> [u32; 4] {
         InsideStep::RequireOut(p) => [6, p, 0, 0],
         InsideStep::SkipOwn { first, count, skip } => [7, first, count, skip],
         InsideStep::SkipOutside { box_ix, skip } => [8, box_ix, 0, skip],
+        // A hint that the shaders leave out: nothing is skipped for hits on none of no primitives.
+        InsideStep::FalseOutside { .. } => [7, 0, 0, 0],
     }
 }
 

@@ -9,11 +9,10 @@ use crate::accel::PACKET;
 use crate::compile::{CompiledLight, CompiledScene, NONE};
 use crate::kernel::light::{LightRay, area_offset, light_ray, unit_ways};
 use crate::kernel::shadow_packet::intersect_shadows;
-use crate::kernel::traverse::{Among, SHADOW_TOLERANCE, ShadowHints};
+use crate::kernel::traverse::SHADOW_TOLERANCE;
 use crate::math::{Rgb, Vec3};
 use crate::savings::Saving;
 use crate::scene::light::{AreaLight, LightKind};
-use std::collections::HashSet;
 
 /// Fewer rays are no packet.
 const LEAST: usize = 4;
@@ -48,31 +47,6 @@ pub fn area_orders(scene: &CompiledScene) -> Vec<Option<Vec<[u32; 2]>>> {
     scene.lights.iter().map(of).collect()
 }
 
-/// By light: points of its grid that are asked where all of them show the same.
-pub fn area_asked(scene: &CompiledScene) -> Vec<u32> {
-    /// Parts that share no more points are not gone into.
-    fn ask(area: &AreaLight, part: [u32; 4], level: u32, asked: &mut HashSet<[u32; 2]>) {
-        asked.extend(corners(part));
-        let [u1, v1, u2, v2] = part;
-        if (u2 - u1 > 1 || v2 - v1 > 1) && level < area.adaptive {
-            quarters(part).iter().for_each(|p| ask(area, *p, level + 1, asked));
-        }
-    }
-    let of = |l: &CompiledLight| {
-        let mut asked = HashSet::new();
-        if let Some(a) = l.light.area.as_ref().filter(|a| a.jitter && takes_cells(a)) {
-            ask(a, [0, 0, a.n1.max(1) - 1, a.n2.max(1) - 1], 0, &mut asked);
-        }
-        asked.len() as u32
-    };
-    scene.lights.iter().map(of).collect()
-}
-
-/// Whether a grid is small enough to be counted.
-pub fn takes_cells(area: &AreaLight) -> bool {
-    area.n1.max(area.n2) <= 64
-}
-
 impl Tracer<'_> {
     /// Fills in all points of a grid, if its light is one of those. Where all of them show the same, gives that, which is the mean.
     pub(super) fn area_points_together(&mut self, grid: &mut AreaGrid) -> Option<Rgb> {
@@ -89,9 +63,7 @@ impl Tracer<'_> {
         }
         let slot = usize::from(self.level > 1);
         let last = if scene.options.savings.has(Saving::Blockers) { self.blockers[grid.light_ix as usize][slot] } else { u32::MAX };
-        let among = grid.few.cheap_list(&scene.geometry).map_or(Among::All, Among::Few);
-        let hints = ShadowHints { last, left: grid.few.left, among };
-        let masks = intersect_shadows(scene, &self.area_packet, SHADOW_TOLERANCE, &far, &hints);
+        let masks = intersect_shadows(scene, &self.area_packet, SHADOW_TOLERANCE, &far, last);
         if let Some(masks) = masks {
             if masks.blocker != u32::MAX {
                 self.blockers[grid.light_ix as usize][slot] = masks.blocker;
@@ -109,18 +81,14 @@ impl Tracer<'_> {
             let known = match masks {
                 Some(m) if m.blocked >> k & 1 == 1 => Known::Stopped(m.blocker),
                 Some(m) if m.clear >> k & 1 == 0 => Known::Open,
-                _ => Known::Many,
+                _ => Known::Nothing,
             };
             let c = match known {
                 Known::Stopped(_) if far[k] > SHADOW_TOLERANCE => Vec3::ZERO,
                 Known::Open if self.is_air_clear() => grid.color,
                 _ => {
                     let way = LightRay { dir: self.area_packet.ray(k).dir, distance: distance[k] };
-                    let known = match (known, grid.few.list()) {
-                        (Known::Many, Some(few)) => Known::Few(few),
-                        _ => known,
-                    };
-                    self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color, known, grid.few.left)
+                    self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color, known)
                 }
             };
             grid.points[(u * grid.area.n2 + v) as usize] = Some(c);

@@ -101,7 +101,7 @@ impl Tracer<'_> {
             if layer.finish.diffuse_back == 0.0 {
                 // Media draw random numbers on the way, which would show elsewhere.
                 if !scene.options.savings.has(Saving::Lights) && self.plan.quality.shadows && !self.plan.has_media {
-                    self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, Known::Nothing, ctx.left_behind(way.dir));
+                    self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, Known::Nothing);
                 }
                 return Vec3::ZERO;
             }
@@ -110,16 +110,14 @@ impl Tracer<'_> {
         if spread.is_none() && !self.draws_on_the_way(light) && self.gives_nothing_back(ctx, layer, way.dir, behind, !light.shadowless) {
             return Vec3::ZERO;
         }
-        // What is gathered for radiosity lies anywhere: looking it up by place was tried and costs (docs/speed.md).
-        let known = if ctx.ray.gathers { Known::Many } else { Known::Nothing };
         let tested = self.plan.quality.shadows && (!light.shadowless || compiled.projected_through != crate::compile::NONE);
         let filtered = match memo.and_then(|k| self.lit[k]) {
             _ if !tested => arriving,
             Some(known) => known,
             None => {
                 let c = match area {
-                    Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, arriving, Some(ctx.hit)),
-                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, known, ctx.left_behind(way.dir)),
+                    Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, arriving),
+                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, arriving, Known::Nothing),
                 };
                 if let Some(k) = memo {
                     self.lit[k] = Some(c);

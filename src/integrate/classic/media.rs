@@ -413,8 +413,8 @@ impl Tracer<'_> {
         }
         // Shadow rays may cross media too, but they have scratch memory of their own.
         let color = match &light.area {
-            Some(a) => self.through_area(light_ix, a, around, point, &way, color, None),
-            None => self.unshadowed(light_ix, around, point, &way, color, Known::InMedium, u32::MAX),
+            Some(a) => self.through_area(light_ix, a, around, point, &way, color),
+            None => self.unshadowed(light_ix, around, point, &way, color, Known::Nothing),
         };
         (color, way.dir)
     }

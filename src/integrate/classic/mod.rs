@@ -8,7 +8,6 @@ mod emitters;
 mod inline_vec;
 mod lights;
 mod media;
-mod occlusion;
 mod photons;
 mod pixel;
 mod plan;

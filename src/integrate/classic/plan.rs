@@ -1,8 +1,7 @@
 //! What every tracer of a scene shares, worked out once before the first ray.
 
-use super::area_packet::{area_asked, area_orders};
+use super::area_packet::area_orders;
 use super::emitters::{EmitterPoint, emitter_points};
-use super::occlusion::LampPlace;
 use super::photons::PhotonMaps;
 use super::ray::InteriorList;
 use super::subsurface::{AlbedoTable, albedo_tables};
@@ -64,12 +63,6 @@ pub struct ScenePlan {
     pub has_media: bool,
     /// By light: grid points that are traced together, in the order in which they are asked.
     pub area_orders: Vec<Option<Vec<[u32; 2]>>>,
-    /// By light: where its shadow rays end, if what stands in their way is looked up by place.
-    pub lamp_places: Vec<Option<LampPlace>>,
-    /// Width of a pixel at distance 1.
-    pub pixel: f64,
-    /// By light: points of its grid that are asked where all of them show the same.
-    pub area_asked: Vec<u32>,
     /// By medium: the same everywhere.
     pub constant_media: Vec<bool>,
     /// By medium: its densities, those first that are found quickly: where one is 0 the others are not asked.
@@ -98,7 +91,6 @@ impl ScenePlan {
         let global_lights = (0..scene.lights.len() as u32).filter(|k| scene.lights[*k as usize].group_ix == NONE).collect();
         let group_lights = (0..scene.light_groups.len() as u32).map(|g| lights_of_group(scene, g)).collect();
         Self {
-            lamp_places: lamp_places(scene, &camera),
             camera,
             camera_interiors,
             quality: Quality::new(scene.options.quality),
@@ -109,8 +101,6 @@ impl ScenePlan {
             output_alpha,
             has_media: !scene.media.is_empty(),
             area_orders: area_orders(scene),
-            area_asked: area_asked(scene),
-            pixel: scene.camera.right.length() / (scene.camera.direction.length().max(1e-30) * f64::from(width.max(1))),
             constant_media: scene.media.iter().map(|m| m.densities.is_empty()).collect(),
             media_densities: scene.media.iter().map(|m| quick_first(scene, &m.densities)).collect(),
             media_thresholds: scene.media.iter().map(|m| stop_thresholds(&m.params)).collect(),
@@ -128,18 +118,6 @@ impl ScenePlan {
         let f = &scene.features;
         scene.options.quality >= 5 && has_jitter(scene) || jittered_bow || random_media || f.crand || f.radiosity || f.subsurface
     }
-}
-
-/// In a tree of fewer primitives nothing is found quicker.
-const FEWEST: usize = 2;
-
-fn lamp_places(scene: &CompiledScene, camera: &CameraModel) -> Vec<Option<LampPlace>> {
-    // Rays of a mesh camera start anywhere: nothing tells how far apart they are.
-    let is_kept = camera.mesh.is_none()
-        && scene.options.savings.has(Saving::Cells)
-        && scene.geometry.tree.tests_own_boxes()
-        && scene.geometry.bounded.len() > FEWEST;
-    scene.lights.iter().map(|l| LampPlace::of(l).filter(|_| is_kept)).collect()
 }
 
 /// Whether any area light is jittered.

@@ -172,8 +172,8 @@ impl Tracer<'_> {
             Some(known) => known,
             None => {
                 let c = match &light.area {
-                    Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, color, Some(ctx.hit)),
-                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, color, Known::Nothing, ctx.left_behind(way.dir)),
+                    Some(a) => self.through_area(light_ix, a, &ctx.ray.interiors, point, &way, color),
+                    None => self.unshadowed(light_ix, &ctx.ray.interiors, point, &way, color, Known::Nothing),
                 };
                 if let Some(k) = memo {
                     self.lit[k] = Some(c);
@@ -210,7 +210,6 @@ impl Tracer<'_> {
         let mut ray = ctx.ray.clone();
         ray.ray.origin = ctx.hit.point;
         ray.max_depth -= ctx.hit.t;
-        ray.left = u32::MAX;
         self.trace(&ray, weight, true)
     }
 

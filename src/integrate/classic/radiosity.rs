@@ -218,7 +218,6 @@ impl Tracer<'_> {
                 ray: Ray::new(point, dir),
                 max_depth: f64::INFINITY,
                 interiors: ctx.ray.interiors.clone(),
-                left: ctx.left_behind(dir),
                 reflected: ctx.ray.reflected,
                 gathers: true,
                 wavelength: ctx.ray.wavelength,

@@ -78,8 +78,6 @@ pub struct TraceRay {
     pub max_depth: f64,
     /// Where it runs.
     pub interiors: InteriorList,
-    /// The primitive that it starts on and cannot meet again (`kernel::traverse::left_behind`), or `u32::MAX`.
-    pub left: u32,
     /// Reflected at least once.
     pub reflected: bool,
     /// Gathers for radiosity, or descends from such a ray.
@@ -91,12 +89,12 @@ pub struct TraceRay {
 impl TraceRay {
     /// A camera ray inside `interiors`.
     pub fn primary(ray: Ray, interiors: InteriorList) -> Self {
-        Self { ray, max_depth: f64::INFINITY, interiors, left: u32::MAX, reflected: false, gathers: false, wavelength: 0.0 }
+        Self { ray, max_depth: f64::INFINITY, interiors, reflected: false, gathers: false, wavelength: 0.0 }
     }
 
     /// The ray with the same history that goes on from `point` along `dir` in `interiors`.
     pub fn onward(&self, point: DVec3, dir: DVec3, interiors: &InteriorList) -> Self {
-        Self { ray: Ray::new(point, dir), max_depth: f64::INFINITY, interiors: interiors.clone(), left: u32::MAX, ..*self }
+        Self { ray: Ray::new(point, dir), max_depth: f64::INFINITY, interiors: interiors.clone(), ..*self }
     }
 }
 

@@ -205,25 +205,20 @@ impl Tracer<'_> {
 
 /// The ray beyond a surface that does not bend it.
 pub(super) fn straight(ctx: &HitContext, p: &Passage) -> TraceRay {
-    leaving(ctx, ctx.ray.onward(ctx.hit.point, ctx.ray.ray.dir, &p.interiors))
+    ctx.ray.onward(ctx.hit.point, ctx.ray.ray.dir, &p.interiors)
 }
 
 /// The ray that leaves a surface of normal `top` by a ratio of indices `n`.
 pub(super) fn bent(ctx: &HitContext, p: &Passage, top: DVec3, n: f64, wavelength: f64) -> Bent {
     match refract(ctx.ray.ray.dir, top, n) {
-        Some(dir) => Bent::Through(leaving(ctx, TraceRay { wavelength, ..ctx.ray.onward(ctx.hit.point, dir, &p.interiors) })),
+        Some(dir) => Bent::Through(TraceRay { wavelength, ..ctx.ray.onward(ctx.hit.point, dir, &p.interiors) }),
         None => Bent::Back(mirrored(ctx, reflect(ctx.ray.ray.dir, top, ctx.normal))),
     }
 }
 
 /// The ray that leaves a hit along `dir` on the side it came from.
 pub(super) fn mirrored(ctx: &HitContext, dir: DVec3) -> TraceRay {
-    leaving(ctx, TraceRay { reflected: true, ..ctx.ray.onward(ctx.hit.point, dir, &ctx.ray.interiors) })
-}
-
-/// A ray from a hit with the note what it need not be tested against.
-fn leaving(ctx: &HitContext, ray: TraceRay) -> TraceRay {
-    TraceRay { left: ctx.left_behind(ray.ray.dir), ..ray }
+    TraceRay { reflected: true, ..ctx.ray.onward(ctx.hit.point, dir, &ctx.ray.interiors) }
 }
 
 /// Colours of the spectrum summed up from 375 nm in steps of 5 nm.

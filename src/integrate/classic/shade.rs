@@ -7,15 +7,12 @@ use super::ray::{Seen, TraceRay};
 use super::refract::{Through, mirrored};
 use super::texturing::{self as cover, Cover, Space};
 use super::trace::Tracer;
-use crate::compile::CompiledScene;
 use crate::compile::geometry::{Prim, prim_flags};
 use crate::compile::texture::TextureNode;
 use crate::kernel::finish::{reflect, reflected_power, reflectivity, thin_film};
-use crate::kernel::leaving::left_behind;
 use crate::kernel::{PatternPoint, SurfaceHit};
 use crate::math::color::grey;
 use crate::math::{DVec3, EPSILON, Rgb, Rgbft, Vec3};
-use crate::savings::Saving;
 use crate::scene::Finish;
 use std::cell::Cell;
 
@@ -23,7 +20,6 @@ use std::cell::Cell;
 pub(super) struct HitContext<'h> {
     pub ray: &'h TraceRay,
     pub hit: &'h SurfaceHit,
-    pub scene: &'h CompiledScene,
     pub prim: &'h Prim,
     /// Geometric normal turned to the viewer.
     pub normal: DVec3,
@@ -32,13 +28,6 @@ pub(super) struct HitContext<'h> {
     pub weight: f64,
     /// The normal that slope and aoi look at: the last bent one, wherever in the hit's textures that was (measured).
     pub seen: Cell<DVec3>,
-}
-
-impl HitContext<'_> {
-    /// The primitive that a ray along `dir` from the hit cannot meet again, or `u32::MAX`.
-    pub fn left_behind(&self, dir: DVec3) -> u32 {
-        if self.scene.options.savings.has(Saving::Leaving) { left_behind(&self.scene.geometry, self.hit, dir) } else { u32::MAX }
-    }
 }
 
 /// A mirror of a layer, traced after the layers.
@@ -89,7 +78,7 @@ impl Tracer<'_> {
         let normal = if from_inside { -hit.normal } else { hit.normal };
         let lit_base = self.lit.len();
         self.lit.resize(lit_base + self.plan.global_lights.len(), None);
-        let ctx = HitContext { ray: r, hit, scene: self.scene, prim, normal, lit_base, weight, seen: Cell::new(normal) };
+        let ctx = HitContext { ray: r, hit, prim, normal, lit_base, weight, seen: Cell::new(normal) };
         let (mut rgb, mut transmit) = match cover::sole_cover_at(self.scene, hit, from_inside, self.adc_bailout) {
             Some(cover) => self.shade_cover(&ctx, cover),
             None => self.shade_covers(&ctx, from_inside),

@@ -1,7 +1,6 @@
 //! What arrives of a light at a point: shadow rays through clear things, grids of area lights. Source: spec/light.md, section 6.
 
 use super::lights::{area_place, is_dark};
-use super::occlusion::{FewBetween, Spread};
 use super::photons;
 use super::ray::InteriorList;
 use super::refract::fade_factor;
@@ -12,7 +11,6 @@ use crate::accel::Candidates;
 use crate::compile::texture::TextureNode;
 use crate::compile::{CompiledScene, NONE};
 use crate::kernel::atmosphere::fog_effect;
-use crate::kernel::leaving::left_behind_toward;
 use crate::kernel::light::{LightRay, area_axes, area_offset, light_ray};
 use crate::kernel::traverse::{
     Among, ClearPrims, SHADOW_TOLERANCE, ShadowHints, ShadowHit, intersect_clear, intersect_object, intersect_shadow_noting,
@@ -38,7 +36,6 @@ impl Tracer<'_> {
         way: &LightRay,
         color: Rgb,
         known: Known,
-        left_behind: u32,
     ) -> Rgb {
         let scene = self.scene;
         let compiled = &scene.lights[light_ix as usize];
@@ -62,33 +59,13 @@ impl Tracer<'_> {
                 break;
             }
             let last = if scene.options.savings.has(Saving::Blockers) { self.blockers[light_ix as usize][slot] } else { u32::MAX };
-            // What is left behind was left where the ray starts.
-            let mut hints = ShadowHints { last, left: if nth == 0 { left_behind } else { u32::MAX }, among: Among::All };
+            let onward =
+                |among: Among, noted: &mut ClearPrims| onward_to_light(scene, &ray, left, nth == 0, &ShadowHints { last, among }, noted);
             let hit = match known {
                 Known::Open => ShadowHit::None,
                 Known::Stopped(prim_ix) => ShadowHit::Opaque { prim_ix },
-                Known::Among(list) => {
-                    hints.among = Among::Candidates(list);
-                    onward_to_light(scene, &ray, left, nth == 0, &hints, &mut noted)
-                }
-                Known::Few(list) => {
-                    hints.among = Among::Few(list);
-                    onward_to_light(scene, &ray, left, nth == 0, &hints, &mut noted)
-                }
-                Known::Many => onward_to_light(scene, &ray, left, nth == 0, &hints, &mut noted),
-                Known::Nothing | Known::InMedium => {
-                    let spread = match known {
-                        Known::InMedium => Spread::Medium,
-                        _ => Spread::Surface,
-                    };
-                    if nth == 0
-                        && let Some(place) = &self.plan.lamp_places[light_ix as usize]
-                        && let Some(list) = self.cells.list(scene, (light_ix, place), point, spread)
-                    {
-                        hints.among = Among::Few(list);
-                    }
-                    onward_to_light(scene, &ray, left, nth == 0, &hints, &mut noted)
-                }
+                Known::Among(list) => onward(Among::Candidates(list), &mut noted),
+                Known::Nothing => onward(Among::All, &mut noted),
             };
             match hit {
                 ShadowHit::None => {
@@ -241,30 +218,12 @@ impl Tracer<'_> {
         point: DVec3,
         way: &LightRay,
         color: Rgb,
-        hit: Option<&SurfaceHit>,
     ) -> Rgb {
-        let mut few = FewBetween::default();
-        if let Some(place) = &self.plan.lamp_places[light_ix as usize] {
-            let spread = if hit.is_some() { Spread::Surface } else { Spread::Medium };
-            if let Some(list) = self.cells.list(self.scene, (light_ix, place), point, spread) {
-                few = FewBetween::of(list);
-            }
-            if let (Some(hit), Some(ends)) = (hit, place.bounds()) {
-                few.left = left_behind_toward(&self.scene.geometry, hit, ends);
-            }
-        }
-        if few.are_none() && self.is_air_clear() {
-            // All points show the same, and a mean of equal numbers, taken four by four, is that number to the last bit.
-            if area.jitter {
-                self.random.skip(2 * self.plan.area_asked[light_ix as usize]);
-            }
-            return color;
-        }
         let mut points = std::mem::take(&mut self.area_points);
         points.clear();
         points.resize(area.n1 as usize * area.n2 as usize, None);
         let axes = area_axes(area, way.dir);
-        let mut grid = AreaGrid { light_ix, area, axes, around, point, color, few, points, n_open: 0, among: None };
+        let mut grid = AreaGrid { light_ix, area, axes, around, point, color, points, n_open: 0, among: None };
         let mean = match self.area_points_together(&mut grid) {
             Some(mean) => mean,
             None => self.area_part(&mut grid, [0, 0, area.n1.max(1) - 1, area.n2.max(1) - 1], 0),
@@ -306,16 +265,12 @@ impl Tracer<'_> {
         let (ju, jv) = (area_place(&mut self.random, u, grid.area.jitter), area_place(&mut self.random, v, grid.area.jitter));
         let offset = area_offset(grid.area, grid.axes, ju, jv);
         let way = light_ray(&self.scene.lights[grid.light_ix as usize].light, grid.point, offset);
-        let known = match (grid.few.list(), &grid.among) {
-            (Some(few), _) => Known::Few(few),
-            (None, Some(list)) => Known::Among(list),
-            (None, None) => Known::Many,
-        };
-        let c = self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color, known, grid.few.left);
+        let known = grid.among.as_ref().map_or(Known::Nothing, Known::Among);
+        let c = self.unshadowed(grid.light_ix, grid.around, grid.point, &way, grid.color, known);
         if !is_dark(c) {
             grid.n_open += 1;
             // Few rays walk far: the four corners, when no more are wanted, and what the last blocker does not stop.
-            if grid.n_open == WALKS_BEFORE_LIST && grid.few.list().is_none() {
+            if grid.n_open == WALKS_BEFORE_LIST {
                 grid.among = self.before_area(&self.scene.lights[grid.light_ix as usize].light, grid.area, grid.axes, grid.point);
             }
         }
@@ -355,8 +310,6 @@ pub(super) struct AreaGrid<'g> {
     pub around: &'g InteriorList,
     pub point: DVec3,
     pub color: Rgb,
-    /// What may stand in the way, where it is known from the start.
-    pub few: FewBetween,
     /// By grid point: what arrived from it.
     pub points: Vec<Option<Rgb>>,
     /// Points that light came from.

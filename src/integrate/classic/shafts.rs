@@ -23,14 +23,8 @@ const RIM: f64 = 0.01;
 pub(super) enum Known<'c> {
     /// Nothing.
     Nothing,
-    /// Nothing, of one that starts in a medium: its neighbours lie all along a ray.
-    InMedium,
-    /// Nothing, and looking it up by place is of no use.
-    Many,
     /// Of primitives with bounds it can meet these alone.
     Among(&'c Candidates),
-    /// It can meet these alone.
-    Few(&'c [u32]),
     /// It meets nothing up to the light.
     Open,
     /// This primitive stops it.

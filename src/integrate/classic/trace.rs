@@ -1,7 +1,6 @@
 //! One ray: nearest hit, shading or sky, and the air in between. Source: spec/light.md, section 2.
 
 use super::media::MediaScratch;
-use super::occlusion::OcclusionCells;
 use super::photons::NearestPhotons;
 use super::plan::ScenePlan;
 use super::radiosity::RadiosityState;
@@ -12,7 +11,7 @@ use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
 use crate::integrate::antialias::Block;
 use crate::kernel::atmosphere::BACKGROUND_DEPTH;
-use crate::kernel::traverse::{MIN_DEPTH, intersect_leaving};
+use crate::kernel::traverse::{MIN_DEPTH, intersect};
 use crate::math::Rgb;
 use crate::math::random::{GrainStream, SplitMix64, UniformStream};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -42,8 +41,6 @@ pub struct Tracer<'a> {
     pub(super) area_points: Vec<Option<Rgb>>,
     /// Rays to an area light's points.
     pub(super) area_packet: Box<Packet>,
-    /// What stands between places and lamps.
-    pub(super) cells: OcclusionCells,
     /// A list of primitives that nobody uses.
     pub(super) spare_list: Candidates,
     /// For view rays, and for the shadow rays inside them.
@@ -76,7 +73,6 @@ impl<'a> Tracer<'a> {
             lit: Vec::new(),
             area_points: Vec::new(),
             area_packet: Box::default(),
-            cells: OcclusionCells::new(scene, plan.pixel),
             spare_list: Candidates::default(),
             media_scratch: Default::default(),
             near_photons: plan.photons.as_ref().map(|m| m.room()).unwrap_or_default(),
@@ -127,7 +123,7 @@ impl<'a> Tracer<'a> {
         if r.gathers {
             skip |= prim_flags::NO_RADIOSITY;
         }
-        let hit = intersect_leaving(self.scene, &r.ray, MIN_DEPTH, r.max_depth, skip, r.left);
+        let hit = intersect(self.scene, &r.ray, MIN_DEPTH, r.max_depth, skip);
         // By reference: a copy of numbers just stored one by one waits for them.
         let (mut seen, depth) = match &hit {
             Some(hit) => {

@@ -90,7 +90,7 @@ impl PhotonTracer<'_, '_> {
         }
         let from_inside = hit.normal.dot(f.ray.ray.dir) > 0.0;
         let normal = if from_inside { -hit.normal } else { hit.normal };
-        let ctx = HitContext { ray: &f.ray, hit, scene, prim, normal, lit_base: 0, weight: f.weight, seen: Cell::new(normal) };
+        let ctx = HitContext { ray: &f.ray, hit, prim, normal, lit_base: 0, weight: f.weight, seen: Cell::new(normal) };
         let leaves = (f.aimed && prim.flags & prim_flags::PHOTON_NO_COLLECT == 0).then(|| self.share_at(path) as f32);
         let next = Landed { power, weight: f.weight, path, passes, leaves };
         let covers = covers_at(scene, hit, from_inside, self.tracer.adc_bailout);

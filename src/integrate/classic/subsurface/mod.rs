@@ -22,12 +22,23 @@ use crate::math::{DVec3, Ray, Rgb, Vec3};
 use medium::{Medium, passing, refracted_cos};
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
 
 /// Surfaces seen through surfaces that are still lit from below: deeper ones stay black.
 const MAX_DEPTH: usize = 2;
 
 /// Numbers of a sequence before it begins anew: directions, and random numbers, whose last of the table never comes (measured).
 const PERIOD: u32 = 32_767;
+
+/// Halton points on the sphere, all that there are before they begin anew.
+static DIRECTIONS: LazyLock<Vec<DVec3>> = LazyLock::new(|| {
+    let direction = |k: u32| {
+        let (x, angle) = (2.0 * halton(k, 2) - 1.0, TAU * halton(k, 3));
+        let r = (1.0 - x * x).max(0.0).sqrt();
+        DVec3::new(x, r * angle.cos(), r * angle.sin())
+    };
+    (0..PERIOD).map(direction).collect()
+});
 
 /// A ray that starts on a surface does not meet it again within this depth.
 const OFF_SURFACE: f64 = 1e-6;
@@ -53,10 +64,9 @@ impl SubsurfaceState {
     /// The next direction, unit, all alike.
     fn direction(&mut self) -> DVec3 {
         let position = &mut self.directions[self.depth - 1];
-        let (x, angle) = (2.0 * halton(*position, 2) - 1.0, TAU * halton(*position, 3));
+        let direction = DIRECTIONS[*position as usize];
         *position = (*position + 1) % PERIOD;
-        let r = (1.0 - x * x).max(0.0).sqrt();
-        DVec3::new(x, r * angle.cos(), r * angle.sin())
+        direction
     }
 
     /// The next number, 0..1.
@@ -273,8 +283,8 @@ impl Tracer<'_> {
         }
         let around = &exit.ctx.ray.interiors;
         match light.area.as_ref().filter(|_| !exit.ctx.ray.gathers) {
-            Some(area) => self.through_area(light_ix, area, around, point, way, color, None),
-            None => self.unshadowed(light_ix, around, point, way, color, Known::Nothing, u32::MAX),
+            Some(area) => self.through_area(light_ix, area, around, point, way, color),
+            None => self.unshadowed(light_ix, around, point, way, color, Known::Nothing),
         }
     }
 }
