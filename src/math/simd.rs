@@ -65,6 +65,7 @@ pub trait Simd: Copy {
     fn min_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     fn max_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
     fn div_f32(self, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
+    fn sqrt_f32(self, a: Self::F32x8) -> Self::F32x8;
     fn copysign_f32(self, a: Self::F32x8, sign: Self::F32x8) -> Self::F32x8;
     /// Lanes of `a` where `mask` has a bit, else of `b`.
     fn select_f32(self, mask: u32, a: Self::F32x8, b: Self::F32x8) -> Self::F32x8;
@@ -161,6 +162,10 @@ impl Simd for Portable {
         v
     }
     #[inline(always)]
+    fn sqrt_f32(self, a: [f32; 8]) -> [f32; 8] {
+        a.map(f32::sqrt)
+    }
+    #[inline(always)]
     fn copysign_f32(self, a: [f32; 8], sign: [f32; 8]) -> [f32; 8] {
         zip(a, sign, f32::copysign)
     }
@@ -245,6 +250,7 @@ macro_rules! lanes_of_avx2 {
             min_f32(a: __m256, b: __m256) -> __m256 { _mm256_min_ps(a, b) }
             max_f32(a: __m256, b: __m256) -> __m256 { _mm256_max_ps(a, b) }
             div_f32(a: __m256, b: __m256) -> __m256 { _mm256_div_ps(a, b) }
+            sqrt_f32(a: __m256) -> __m256 { _mm256_sqrt_ps(a) }
             copysign_f32(a: __m256, sign: __m256) -> __m256 {
                 _mm256_or_ps(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a), _mm256_and_ps(_mm256_set1_ps(-0.0), sign))
             }
@@ -329,6 +335,7 @@ mod tests {
                 s.sub_f32(a, b),
                 s.mul_f32(a, b),
                 s.div_f32(a, b),
+                s.sqrt_f32(a),
                 s.copysign_f32(a, b),
                 s.select_f32(0b1001_1010, a, b),
                 s.splat_f32(self.0[3]),
