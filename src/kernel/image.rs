@@ -18,11 +18,20 @@ pub fn image_color_uv(map: &ImageMap, u: f64, v: f64) -> Rgbft {
     image_color(map, DVec3::new(u, v, 0.0)).unwrap_or(Rgbft::CLEAR)
 }
 
+/// Whether `use_alpha` reads transparency: of palettes too that have none, which are 0 everywhere (measured); of other pictures without it, red.
+pub fn gives_alpha(map: &ImageMap) -> bool {
+    map.image.has_alpha || matches!(map.image.pixels, Pixels::Indexed { .. })
+}
+
 /// Value of `image_pattern`, 0..1; 0 outside a picture that is shown once.
 pub fn image_pattern_value(map: &ImageMap, p: DVec3) -> f64 {
     let Some(at) = position(map, p) else { return 0.0 };
     let c = color_at(map, at);
-    let v = if map.use_alpha { if map.image.has_alpha { c.transmit } else { c.rgb.x } } else { grey(c.rgb) };
+    let v = match map.use_alpha {
+        false => grey(c.rgb),
+        true if gives_alpha(map) => c.transmit,
+        true => c.rgb.x,
+    };
     f64::from(v).clamp(0.0, 1.0)
 }
 

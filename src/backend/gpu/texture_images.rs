@@ -3,6 +3,7 @@
 use super::texture_encoder::{TextureEncoder, bits};
 use super::texture_layout::{ALPHA_USES, IMAGE, IMAGE_FORMATS, INTERPOLATIONS, MAP_TYPES, kind};
 use crate::compile::texture::ImageIx;
+use crate::kernel::image::gives_alpha;
 use crate::math::Rgbft;
 use crate::scene::image::{Image, Interpolation, MapType, Pixels};
 use std::collections::HashMap;
@@ -129,7 +130,7 @@ impl TextureEncoder<'_> {
             Interpolation::Bicubic => "bicubic",
             Interpolation::NormalizedDistance => "normalized",
         };
-        let alpha_use = match (map.use_alpha, map.image.has_alpha) {
+        let alpha_use = match (map.use_alpha, gives_alpha(&map)) {
             (false, _) => "none",
             (true, true) => "transmit",
             (true, false) => "red",

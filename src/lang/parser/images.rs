@@ -8,6 +8,7 @@ use crate::lang::value::Value;
 use crate::math::{Rgbft, Vec3};
 use crate::scene::image::{Interpolation, MapType, Pixels};
 use crate::scene::pattern::DensityGrid;
+use crate::scene::settings::WorkingGamma;
 use crate::scene::shape::HeightGrid;
 use crate::scene::{Image, ImageMap};
 use std::collections::HashMap;
@@ -227,7 +228,9 @@ impl Parser<'_> {
             return Ok(image.clone());
         }
         let bytes = self.world.read(&path).map_err(|e| self.error(e.to_string()))?;
-        let rules = Rules { decode, working: self.scene.settings.gamma, old, colored, pot, memory: self.options.memory };
+        // Heights and values stay as a `gamma` decodes them, whatever space the scene works in (measured).
+        let working = if colored { self.scene.settings.gamma } else { WorkingGamma::Linear };
+        let rules = Rules { decode, working, old, colored, pot, memory: self.options.memory };
         let image = decode_image(&bytes, rules).map_err(|e| self.error(format!("Cannot read image '{name}': {e}.")))?;
         let image = Arc::new(image);
         self.images.known.insert(key, image.clone());
