@@ -455,6 +455,15 @@ impl Flattener {
             self.writer().require(root, true, &mut steps);
             record.inside = self.add_program(&steps)?;
             self.assign(root, &[], InsideProgram::default(), Bounds::UNBOUNDED, &mut Vec::new())?;
+            // A ray that meets the bounds of a set may meet it anywhere; only what has no end of its own gets theirs.
+            if let (Some(holds), false) = (self.nodes[root].cull_box, matches!(self.nodes[root].kind, NodeKind::Leaf(_))) {
+                for k in first as usize..self.geometry.prims.len() {
+                    let leaf = &mut self.geometry.bounds[k];
+                    if leaf.is_unbounded() {
+                        *leaf = leaf.intersection(holds);
+                    }
+                }
+            }
             if entered.flags & prim_flags::CUTAWAY != 0 && entered.texture.is_none() {
                 let start = self.geometry.cutaway_parts.len() as u32;
                 self.cutaway_parts(root)?;
@@ -698,10 +707,10 @@ impl Flattener {
                 holds = holds.intersection(self.nodes[b].bounds);
             }
         }
-        if matches!(node.kind, NodeKind::Leaf(_)) && !node.surface_bounds.is_unbounded() {
-            node.cull_box = Some(holds);
-        } else {
+        if matches!(node.kind, NodeKind::Leaf(_)) && node.surface_bounds.is_unbounded() {
             node.surface_bounds = node.surface_bounds.intersection(holds);
+        } else {
+            node.cull_box = Some(holds);
         }
         Ok(())
     }
