@@ -32,6 +32,7 @@ pub(super) struct Node {
     /// Primitives below, those of clip objects included.
     pub prims: Range<u32>,
     /// A ray that misses this box misses a leaf that is an object by itself; of one in a CSG the surface beyond is left out.
+    /// Of a set that is an object by itself only parts without an end are cut by it, as its bounds are asked exactly.
     pub cull_box: Option<Bounds>,
     /// Some of it has an inside.
     pub solid: bool,

@@ -15,7 +15,7 @@ pub struct Frame {
 
 impl Frame {
     /// Where [`Frame::about`] changes from one pole's frame to the other's.
-    const TURNS_AT: f32 = -1e-5;
+    pub const TURNS_AT: f32 = -1e-5;
 
     /// Any frame about unit `n`. Source: Duff et al. 2017. It turns where z is a little below 0, not at 0: the normals of upright walls have a z of
     /// ±1e-9, whose sign is rounding's, and two machines would draw other directions for the same random numbers.

@@ -16,6 +16,7 @@ use crate::backend::BackendError;
 use crate::compile::CompiledScene;
 use crate::integrate::path::PathPlan;
 use crate::integrate::path::lights::triangle;
+use crate::kernel::bsdf::frame::Frame;
 use crate::kernel::bsdf::{MAX_LOBES, sheen};
 use crate::math::Bounds;
 use crate::math::sobol::direction_table;
@@ -149,6 +150,7 @@ fn name_constants(o: &mut ShaderOptions, room: Room, [sheen_at, nodes_at]: [u32;
     ];
     constants.iter().for_each(|(name, v)| o.constant(name, *v));
     o.constant("LEAST_SOLID_ANGLE", LEAST_SOLID_ANGLE);
+    o.constant("FRAME_TURNS_AT", Frame::TURNS_AT);
     o.constant("MOST_SOLID_ANGLE", triangle::MOST_SOLID_ANGLE as f32);
     for (prefix, names) in [("LOBE", &LOBES[..]), ("FRESNEL", &FRESNELS[..])] {
         (0u32..).zip(names).for_each(|(k, n)| o.constant(&format!("{prefix}_{n}"), k));

@@ -169,11 +169,9 @@ pub(super) fn tree_quads(tree: &LightTree) -> impl Iterator<Item = [u32; 4]> + '
         let f = |v: f64| (v as f32).to_bits();
         let v = |v: DVec3| v3(v).map(f32::to_bits);
         let ([x, y, z], [ax, ay, az]) = (v(n.center), v(n.axis));
-        // All directions are told by a cosine that is -1 to the bit.
-        let cos_spread = if n.cos_spread <= -1.0 + 1e-12 { (-1.0f32).to_bits() } else { f(n.cos_spread) };
         [
             [x, y, z, f(n.radius)],
-            [ax, ay, az, cos_spread],
+            [ax, ay, az, f(n.cos_spread)],
             [f(n.sin_spread), f(n.cos_reach), f(n.energy), n.right],
             [n.parent, n.light, 0, 0],
         ]

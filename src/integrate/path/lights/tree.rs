@@ -64,7 +64,7 @@ pub struct Node {
     pub radius: f64,
     /// Unit; middle of the cone.
     pub axis: DVec3,
-    /// Of the cone.
+    /// Of the cone; -1 for all directions, which 32 bits tell to the bit.
     pub cos_spread: f64,
     /// Of the cone.
     pub sin_spread: f64,
@@ -387,9 +387,7 @@ impl NodeLanes {
             (self.center[k][l], self.axis[k][l]) = (center[k], axis[k]);
         }
         self.radius_sq[l] = (n.radius * n.radius) as f32;
-        // All directions are told by a cosine that is -1 to the bit.
-        self.cos_spread[l] = if n.cos_spread <= -1.0 + 1e-12 { -1.0 } else { n.cos_spread as f32 };
-        (self.sin_spread[l], self.cos_reach[l]) = (n.sin_spread as f32, n.cos_reach as f32);
+        (self.cos_spread[l], self.sin_spread[l], self.cos_reach[l]) = (n.cos_spread as f32, n.sin_spread as f32, n.cos_reach as f32);
         self.energy[l] = if shines && root.energy > 0.0 { (n.energy / root.energy) as f32 } else { 0.0 };
     }
 
