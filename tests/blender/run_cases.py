@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs every case of cases.py in a Blender of its own, with a fresh profile and a time limit. Fails when one fails, and when none ran."""
+"""Runs every case of cases/ in a Blender of its own, with a fresh profile and a time limit. Fails when one fails, and when none ran."""
 
 import argparse
+import glob
 import os
 import subprocess
 import sys
@@ -14,18 +15,23 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 LIMIT = 240
 
 
-def names():
-    """The cases, in their order in the file."""
-    with open(os.path.join(HERE, "cases.py"), encoding="utf-8") as file:
-        return [line.split("(")[0][len("def case_") :] for line in file if line.startswith("def case_")]
+def rooms():
+    """The cases by name, each with the file of cases/ that it stands in."""
+    found = {}
+    for path in sorted(glob.glob(os.path.join(HERE, "cases", "[a-z]*.py"))):
+        with open(path, encoding="utf-8") as file:
+            for line in file:
+                if line.startswith("def case_"):
+                    found[line.split("(")[0][len("def case_") :]] = os.path.splitext(os.path.basename(path))[0]
+    return found
 
 
-def run(name, zip_path, more, limit):
+def run(room, name, zip_path, more, limit):
     """One case; its output if it failed."""
     with tempfile.TemporaryDirectory(prefix="rayloom-test-") as folder:
         env = {**os.environ, "BLENDER_USER_RESOURCES": os.path.join(folder, "profile"), **more}
         env.pop("RAYLOOM", None)
-        command = [sys.executable, os.path.join(HERE, "cases.py"), name, os.path.abspath(zip_path), folder]
+        command = [sys.executable, os.path.join(HERE, "cases"), room, name, os.path.abspath(zip_path), folder]
         try:
             done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=limit, env=env, check=False)
         except subprocess.TimeoutExpired as e:
@@ -49,12 +55,16 @@ def main():
     parser.add_argument("--limit", type=int, default=LIMIT, help="seconds that a case may take")
     parser.add_argument("cases", nargs="*", help="which ones [default: all]")
     args = parser.parse_args()
-    chosen = args.cases or names()
+    known = rooms()
+    unknown = [name for name in args.cases if name not in known]
+    if unknown:
+        parser.error(f"no such case: {', '.join(unknown)}; there are {', '.join(known)}")
+    chosen = args.cases or list(known)
     more = {"RAYLOOM_SCENES": args.scenes or "", "RAYLOOM_REFERENCES": args.references or "", "RAYLOOM_SAMPLES": str(args.samples)}
     failed = []
     for name in chosen:
         start = time.monotonic()
-        why = run(name, args.zip, more, args.limit)
+        why = run(known[name], name, args.zip, more, args.limit)
         print(f"{'FAILED' if why else 'ok    '} {name} ({time.monotonic() - start:.1f} s)", flush=True)
         if why:
             failed.append(name)

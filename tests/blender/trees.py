@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Trees of value nodes, and Blender's own values of them by geometry nodes: what cases.py holds the baker against."""
+"""Trees of value nodes, and Blender's own values of them by geometry nodes: what cases/materials.py holds the baker against."""
 
 import bpy
 import numpy as np
