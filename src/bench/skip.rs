@@ -1,10 +1,10 @@
 //! What each saving saves: the same picture with and without it in turn, its pixels compared.
 
-use super::median;
+use super::{compiled, median};
 use crate::backend::device_names;
+use crate::compile::CompiledScene;
 use crate::compile::shape::TreeStore;
-use crate::compile::{CompiledScene, compile_scene};
-use crate::diag::{Diagnostic, Sink, SourceMap};
+use crate::diag::{Diagnostic, SourceMap};
 use crate::film::Film;
 use crate::integrate::classic::takes_shafts;
 use crate::integrate::{IntegratorKind, RenderSettings};
@@ -101,7 +101,7 @@ pub fn why_not(saving: Saving, scene: &CompiledScene, unread: &Unread, format: S
 pub fn run(job: &Job, only: &[Saving], rounds: usize, listener: &dyn Listener, told: &mut dyn FnMut(&Row)) -> Result<Vec<Row>, JobError> {
     let job = &Job { target: None, ..job.clone() };
     // The machine warms up, and the scene tells what it is.
-    let (scene, unread) = look(job, listener)?;
+    let (scene, unread) = compiled(job, listener)?;
     let start = Instant::now();
     let first = render(job, Savings::ALL, f64::from(u32::MAX))?;
     let most_seconds = 5.0 + MOST_TIMES * start.elapsed().as_secs_f64();
@@ -136,15 +136,6 @@ fn empty(saving: Saving) -> Row {
         differing: (0, 0.0),
         device: String::new(),
     }
-}
-
-/// The compiled scene, and what its reader left out; findings go to `listener`.
-fn look(job: &Job, listener: &dyn Listener) -> Result<(CompiledScene, Unread), JobError> {
-    let (mut map, mut sink) = (SourceMap::default(), Sink::default());
-    let loaded = crate::job::load_job(job, &mut map, &mut sink, listener);
-    sink.drain().iter().for_each(|d| listener.diagnostic(d, &map));
-    let scene = loaded?;
-    Ok((compile_scene(&scene, &job.compile, &mut sink)?, scene.unread))
 }
 
 fn render(job: &Job, savings: Savings, most_seconds: f64) -> Result<Outcome, JobError> {

@@ -104,7 +104,7 @@ impl Gpu {
 
     fn open(adapter: &wgpu::Adapter) -> Result<Self, BackendError> {
         let double = if single_precision()? { wgpu::Features::empty() } else { wgpu::Features::SHADER_F64 };
-        let wanted = double | wgpu::Features::PIPELINE_CACHE;
+        let wanted = double | wgpu::Features::PIPELINE_CACHE | wgpu::Features::TIMESTAMP_QUERY;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("rayloom"),
             required_features: adapter.features() & wanted,
@@ -239,11 +239,23 @@ impl Gpu {
 
     /// Runs a pipeline for at least `n` invocations.
     pub fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, pipeline: &wgpu::ComputePipeline, groups: &[&wgpu::BindGroup], n: u32) {
+        self.dispatch_timed(encoder, pipeline, groups, n, None);
+    }
+
+    /// The same, with the times when it began and ended written down.
+    pub fn dispatch_timed(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipeline: &wgpu::ComputePipeline,
+        groups: &[&wgpu::BindGroup],
+        n: u32,
+        timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
         let n_groups = n.div_ceil(WORKGROUP);
         if n_groups == 0 {
             return;
         }
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
         pass.set_pipeline(pipeline);
         for (k, group) in groups.iter().enumerate() {
             pass.set_bind_group(k as u32, *group, &[]);

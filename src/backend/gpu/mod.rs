@@ -19,6 +19,7 @@ pub mod probe;
 pub mod ray_bench;
 pub mod shader;
 mod shape_buffers;
+mod stage_clock;
 mod support;
 pub mod texture_buffers;
 mod texture_encoder;
@@ -34,6 +35,7 @@ mod wavefront;
 
 pub use device::{Gpu, GpuOptions, list_devices, open_all};
 pub use path::PathTimes;
+pub use stage_clock::StageTime;
 pub use support::check;
 
 use super::unfinished::{add_samples, unfinished_blocks};
@@ -51,8 +53,21 @@ use crate::kernel::mesh_camera::MeshCamera;
 use buffers::SceneBuffers;
 use layout::Start;
 use rayon::prelude::*;
+use stage_clock::StageClock;
 use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 use wavefront::Wavefront;
+
+/// Where the time of a picture went on a device.
+#[derive(Clone, Debug)]
+pub struct StageTimes {
+    /// Each kernel, longest first.
+    pub stages: Vec<StageTime>,
+    /// Uploading and making pipelines, which are compiled already.
+    pub prepare_seconds: f64,
+    /// From the first ray to the last pixel, with all that the host does between dispatches.
+    pub render_seconds: f64,
+}
 
 /// A graphics card, or software that acts as one.
 pub struct GpuBackend {
@@ -83,6 +98,50 @@ impl GpuBackend {
     /// Path-traces the whole picture `n` times after a warm-up, and says how long it took.
     pub fn measure_paths(&self, scene: &CompiledScene, settings: &RenderSettings, n: u32) -> Result<PathTimes, BackendError> {
         path::measure(&self.gpu, scene, settings, self.accel_for(scene), n)
+    }
+
+    /// Renders the whole picture in POV-Ray's light transport twice, times the second, and says where the time went.
+    ///
+    /// # Errors
+    /// Those of rendering, and `Unsupported` where the device has no timestamps.
+    pub fn measure_stages(&self, scene: &CompiledScene, settings: &RenderSettings) -> Result<StageTimes, BackendError> {
+        let Some(clock) = StageClock::new(&self.gpu) else {
+            return Err(BackendError::Unsupported("timestamps, on this device".into()));
+        };
+        let film = || Film::new(settings.width, settings.height);
+        let never = AtomicBool::new(false);
+        self.render_classic(scene, settings, &mut film(), &(), &never, Some(&clock))?;
+        clock.restart();
+        let start = Instant::now();
+        let prepare_seconds = self.render_classic(scene, settings, &mut film(), &(), &never, Some(&clock))?;
+        let render_seconds = start.elapsed().as_secs_f64() - prepare_seconds;
+        Ok(StageTimes { stages: clock.totals(), prepare_seconds, render_seconds })
+    }
+
+    /// One picture in POV-Ray's light transport; gives the seconds of uploading and making pipelines.
+    fn render_classic(
+        &self,
+        scene: &CompiledScene,
+        settings: &RenderSettings,
+        film: &mut Film,
+        progress: &dyn Progress,
+        cancel: &AtomicBool,
+        clock: Option<&StageClock>,
+    ) -> Result<f64, BackendError> {
+        support::check(scene)?;
+        let start = Instant::now();
+        let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
+        let buffers = SceneBuffers::new(scene, &plan, self.accel_for(scene))?;
+        let wavefront = Wavefront::new(&self.gpu, &buffers, clock)?;
+        let prepared = start.elapsed().as_secs_f64();
+        let camera = camera::CameraRays::new(scene, &plan);
+        let (all, done) = unfinished_blocks(film, settings);
+        let mut picture = Picture { plan: &plan, wavefront, camera, settings, film, progress, cancel, done };
+        match &settings.antialias {
+            Some(aa) => picture.render_blocks(aa, &all),
+            None => picture.render_pixels(&all),
+        }?;
+        Ok(prepared)
     }
 
     /// The structure that a scene asks for, or the one that is best here.
@@ -117,17 +176,7 @@ impl Backend for GpuBackend {
         if settings.integrator == IntegratorKind::Path {
             return path::render(&self.gpu, scene, settings, self.accel_for(scene), film, progress, cancel);
         }
-        support::check(scene)?;
-        let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
-        let buffers = SceneBuffers::new(scene, &plan, self.accel_for(scene))?;
-        let wavefront = Wavefront::new(&self.gpu, &buffers)?;
-        let camera = camera::CameraRays::new(scene, &plan);
-        let (all, done) = unfinished_blocks(film, settings);
-        let mut picture = Picture { plan: &plan, wavefront, camera, settings, film, progress, cancel, done };
-        match &settings.antialias {
-            Some(aa) => picture.render_blocks(aa, &all),
-            None => picture.render_pixels(&all),
-        }
+        self.render_classic(scene, settings, film, progress, cancel, None).map(|_| ())
     }
 }
 

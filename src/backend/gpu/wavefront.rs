@@ -9,6 +9,7 @@ use super::buffers::{FAULT_INTERIORS, SceneBuffers};
 use super::device::{Gpu, binding_layout, uniform_layout};
 use super::layout::{AreaTask, Batch, Counters, Hit, Ray, ShadowRay, Start};
 use super::shader::assemble;
+use super::stage_clock::StageClock;
 use crate::backend::BackendError;
 use bytemuck::{Pod, bytes_of, cast_slice};
 use rayon::prelude::*;
@@ -32,23 +33,30 @@ const SHORT_STEP: Duration = Duration::from_millis(80);
 /// The first step, of which nothing is known.
 const FIRST_BATCH: u32 = 1 << 14;
 
-/// Pipelines of the stages.
+/// A kernel.
+struct Stage {
+    name: &'static str,
+    pipeline: wgpu::ComputePipeline,
+}
+
+/// All kernels that a scene wants.
 struct Stages {
-    generate_rays: wgpu::ComputePipeline,
-    lens_rays: Option<wgpu::ComputePipeline>,
-    trace_closest: wgpu::ComputePipeline,
-    shade: wgpu::ComputePipeline,
-    trace_shadow: wgpu::ComputePipeline,
-    filter_shadow: Option<wgpu::ComputePipeline>,
-    area_round: Option<wgpu::ComputePipeline>,
-    project_light: Option<wgpu::ComputePipeline>,
-    media_round: Option<wgpu::ComputePipeline>,
+    generate_rays: Stage,
+    lens_rays: Option<Stage>,
+    trace_closest: Stage,
+    shade: Stage,
+    trace_shadow: Stage,
+    filter_shadow: Option<Stage>,
+    area_round: Option<Stage>,
+    project_light: Option<Stage>,
+    media_round: Option<Stage>,
 }
 
 /// A scene on a device, ready to trace samples.
 pub(super) struct Wavefront<'g> {
     gpu: &'g Gpu,
     stages: Stages,
+    clock: Option<&'g StageClock>,
     /// Group 0 with the shadow queues as they are, and with the two of them swapped.
     groups: [wgpu::BindGroup; 2],
     tables: wgpu::BindGroup,
@@ -87,8 +95,8 @@ fn bytes<T: Pod>(n: u32) -> u64 {
 }
 
 impl<'g> Wavefront<'g> {
-    /// Uploads a scene and makes its pipelines.
-    pub fn new(gpu: &'g Gpu, scene: &SceneBuffers) -> Result<Self, BackendError> {
+    /// Uploads a scene and makes its pipelines; `clock` hears what each dispatch takes.
+    pub fn new(gpu: &'g Gpu, scene: &SceneBuffers, clock: Option<&'g StageClock>) -> Result<Self, BackendError> {
         let most = if gpu.info.device_type == wgpu::DeviceType::Cpu { MAX_SAMPLES_SOFTWARE } else { MAX_SAMPLES };
         let fitting = gpu.max_binding() / (u64::from(QUEUE_DEPTH) * size_of::<Ray>() as u64);
         let max_samples = most.min(fitting.min(u64::from(u32::MAX)) as u32).max(1024);
@@ -144,13 +152,16 @@ impl<'g> Wavefront<'g> {
         let words = storage("texture words", cast_slice(&scene.textures.words))?;
         let images = storage("image words", cast_slice(&scene.textures.image_words))?;
         let tables = gpu.bind_group(&table_layout, &[(0, &words), (1, &images)]);
-        let stage = |name: &str| {
+        let stage = |name: &'static str| -> Result<Stage, BackendError> {
             let mut options = scene.options.clone();
             options.feature_if("shadow_rays", name == "trace_shadow");
             options.feature_if("double", gpu.has_double());
             options.constant("AREA_POINTS_AT", max_samples);
             options.constant("MAX_AREA_POINTS", max_area_points);
-            gpu.compute_pipeline(name, &assemble(name, &options)?, name, &[&scene_layout, &table_layout])
+            let start = Instant::now();
+            let pipeline = gpu.compute_pipeline(name, &assemble(name, &options)?, name, &[&scene_layout, &table_layout])?;
+            clock.inspect(|c| c.compiled(name, start.elapsed().as_secs_f64()));
+            Ok(Stage { name, pipeline })
         };
         // Drivers compile one pipeline on one core: all at once take as long as the longest. Positions of lens rays want all their bits: another
         // hash would choose other places.
@@ -196,6 +207,7 @@ impl<'g> Wavefront<'g> {
         Ok(Self {
             gpu,
             stages,
+            clock,
             groups,
             tables,
             batch,
@@ -248,7 +260,7 @@ impl<'g> Wavefront<'g> {
     }
 
     /// Puts the rays of a batch in the queue.
-    fn begin(&self, stage: &wgpu::ComputePipeline, starts: &[Start], batch: Batch) {
+    fn begin(&self, stage: &Stage, starts: &[Start], batch: Batch) {
         self.gpu.queue.write_buffer(&self.starts, 0, cast_slice(starts));
         self.set_batch(batch);
         let mut encoder = self.encoder();
@@ -303,6 +315,7 @@ impl<'g> Wavefront<'g> {
             self.gpu.queue.submit([encoder.finish()]);
         }
         self.batch_now = next_batch(n, self.batch_now, self.max_batch, start.elapsed());
+        self.clock.map_or(Ok(()), |c| c.read(self.gpu))?;
         Ok(first + n_children)
     }
 
@@ -332,7 +345,7 @@ impl<'g> Wavefront<'g> {
     /// What media do to a batch of rays whose hits are known, after what was recorded so far; gives a new encoder. Samples ask for lamps round by round.
     fn media_rounds(
         &self,
-        stage: &wgpu::ComputePipeline,
+        stage: &Stage,
         mut encoder: wgpu::CommandEncoder,
         first: u32,
         n: u32,
@@ -389,8 +402,9 @@ impl<'g> Wavefront<'g> {
         self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
-    fn run(&self, encoder: &mut wgpu::CommandEncoder, stage: &wgpu::ComputePipeline, side: usize, n: u32) {
-        self.gpu.dispatch(encoder, stage, &[&self.groups[side], &self.tables], n);
+    fn run(&self, encoder: &mut wgpu::CommandEncoder, stage: &Stage, side: usize, n: u32) {
+        let timed = self.clock.and_then(|c| c.begin(stage.name, n));
+        self.gpu.dispatch_timed(encoder, &stage.pipeline, &[&self.groups[side], &self.tables], n, timed);
     }
 
     /// What the next submission works on.

@@ -6,6 +6,7 @@ mod error_time;
 mod path;
 mod skip;
 mod stability;
+mod stages;
 
 use super::console::print_error;
 use clap::{Args, Subcommand};
@@ -29,6 +30,8 @@ enum What {
     ErrorTime(error_time::ErrorTimeArgs),
     /// What is left out where a scene does not need it: each saving off and on in turn, pixels compared (docs/benchmarks.md)
     Skip(Box<skip::SkipArgs>),
+    /// Where a GPU's time goes in POV-Ray's light transport: each kernel's dispatches, threads and seconds (docs/gpu.md)
+    Stages(Box<stages::StagesArgs>),
     /// Where renderers break: 24 cases, each a figure against its bar, on the CPU and every GPU (docs/stability.md)
     Stability(stability::StabilityArgs),
 }
@@ -40,6 +43,7 @@ pub fn run(args: &BenchArgs) -> ExitCode {
         What::Path(args) => path::run(args),
         What::ErrorTime(args) => error_time::run(args),
         What::Skip(args) => skip::run(args),
+        What::Stages(args) => stages::run(args),
         What::Stability(args) => stability::run(args),
     };
     match result {

@@ -29,7 +29,7 @@ pub(super) struct SkipArgs {
 }
 
 /// Says what is wrong with the scene, and nothing else.
-struct Errors;
+pub(super) struct Errors;
 
 impl Listener for Errors {
     fn stage(&self, _: &Stage) {}
