@@ -263,23 +263,40 @@ impl Gpu {
         pass.dispatch_workgroups(n_groups, 1, 1);
     }
 
+    /// A buffer that the host can read.
+    pub fn read_buffer(&self, size: u64) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        self.device.create_buffer(&wgpu::BufferDescriptor { label: Some("read back"), size, usage, mapped_at_creation: false })
+    }
+
     /// Submits what was recorded and reads `size` bytes of a buffer once it is done.
     pub fn submit_and_read(
+        &self,
+        encoder: wgpu::CommandEncoder,
+        buffer: &wgpu::Buffer,
+        offset: u64,
+        size: u64,
+    ) -> Result<Vec<u8>, BackendError> {
+        self.submit_and_read_into(encoder, buffer, offset, size, &self.read_buffer(size))
+    }
+
+    /// The same through a buffer that is there: making one takes longer than small answers do.
+    pub fn submit_and_read_into(
         &self,
         mut encoder: wgpu::CommandEncoder,
         buffer: &wgpu::Buffer,
         offset: u64,
         size: u64,
+        copy: &wgpu::Buffer,
     ) -> Result<Vec<u8>, BackendError> {
-        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let copy = self.device.create_buffer(&wgpu::BufferDescriptor { label: Some("read back"), size, usage, mapped_at_creation: false });
-        encoder.copy_buffer_to_buffer(buffer, offset, &copy, 0, size);
+        encoder.copy_buffer_to_buffer(buffer, offset, copy, 0, size);
         self.queue.submit([encoder.finish()]);
         copy.map_async(wgpu::MapMode::Read, .., |_| {});
         let lost = |e: String| BackendError::DeviceLost(e);
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| lost(e.to_string()))?;
         self.check()?;
         let bytes = copy.get_mapped_range(..).map_err(|e| lost(e.to_string()))?.to_vec();
+        copy.unmap();
         Ok(bytes)
     }
 }

@@ -75,7 +75,7 @@ shared! {
     struct Batch {
         first: u32,
         n: u32,
-        n_shadows: u32,
+        slot: u32,
         n_areas: u32,
         round: u32,
         lens_first: u32,

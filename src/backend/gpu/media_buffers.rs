@@ -77,7 +77,9 @@ pub(super) fn media_options(scene: &CompiledScene, o: &mut ShaderOptions) -> Res
     let of_interiors = scene.interiors.iter().map(|i| i.media.len()).max().unwrap_or(0) * MAX_INTERIORS;
     let levels = most(|m| m.params.aa_level).max(1);
     o.constant("MAX_MEDIA", of_interiors.min(scene.media.len() * MAX_INTERIORS).max(scene.atmosphere.len()).max(1) as u32);
-    o.constant("MAX_MEDIA_LIGHTS", scene.lights.len().max(1) as u32);
+    // As the shader tells them apart.
+    let n_lights = scene.lights.iter().filter(|l| l.light.media_interaction && !l.light.shadowless).count();
+    o.constant("MAX_MEDIA_LIGHTS", n_lights.max(1) as u32);
     o.constant("MEDIA_STACK", levels + 2);
     let is_lit = scatters(scene);
     let features = [
@@ -86,13 +88,17 @@ pub(super) fn media_options(scene: &CompiledScene, o: &mut ShaderOptions) -> Res
         ("media_shadows", scene.media.iter().any(|m| extinction(&m.params) != Vec3::ZERO)),
     ];
     features.iter().for_each(|(name, holds)| o.feature_if(name, *holds));
-    let n_lights = scene.lights.len() as u64;
+    let n_lights = n_lights as u64;
     let intervals = u64::from(most(|m| m.params.intervals)).max(2 * n_lights + 1);
     let places = u64::from(most(|m| m.params.samples.0.clamp(1, MAX_INTERVAL_SAMPLES)) / 2 + 1).max(2) * (1u64 << levels.min(32)) + 1;
-    let points = if is_lit { 2 * intervals * places * n_lights } else { 0 };
+    // A ray's piece goes through the air's media, then through those of what it is in.
+    let n_calls = [!scene.atmosphere.is_empty(), of_interiors > 0].map(u64::from).iter().sum::<u64>();
+    let of_call = intervals * places * n_lights;
+    let points = if is_lit { n_calls * of_call } else { 0 };
     if points > MAX_POINTS {
         return Err(BackendError::Unsupported("media of millions of samples a ray".into()));
     }
     o.constant("MEDIA_POINTS", points as u32);
+    o.constant("MEDIA_SECOND_AT", if n_calls > 1 { of_call as u32 } else { 0 });
     Ok(points as u32)
 }

@@ -55,7 +55,7 @@ use layout::Start;
 use rayon::prelude::*;
 use stage_clock::StageClock;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use wavefront::Wavefront;
 
 /// Where the time of a picture went on a device.
@@ -136,7 +136,8 @@ impl GpuBackend {
         let prepared = start.elapsed().as_secs_f64();
         let camera = camera::CameraRays::new(scene, &plan);
         let (all, done) = unfinished_blocks(film, settings);
-        let mut picture = Picture { plan: &plan, wavefront, camera, settings, film, progress, cancel, done };
+        let part = wavefront.max_samples;
+        let mut picture = Picture { plan: &plan, wavefront, camera, settings, film, progress, cancel, done, part };
         match &settings.antialias {
             Some(aa) => picture.render_blocks(aa, &all),
             None => picture.render_pixels(&all),
@@ -190,7 +191,13 @@ struct Picture<'p> {
     progress: &'p dyn Progress,
     cancel: &'p AtomicBool,
     done: u64,
+    /// Samples of the next part of the picture: what is done is told, kept and saved part by part.
+    part: u32,
 }
+
+/// A part that took less is followed by one of twice the size, so that the device is seldom half empty; after one that took more comes one of half the size.
+const SHORT_PART: Duration = Duration::from_millis(700);
+const LONG_PART: Duration = Duration::from_secs(4);
 
 impl Picture<'_> {
     /// The same samples for every pixel: as many pixels at a time as the wavefront takes.
@@ -199,18 +206,22 @@ impl Picture<'_> {
         let pixels: Vec<(u32, u32)> = all.iter().flat_map(of_block).collect();
         let n_samples = self.settings.samples.len().max(1) as u32;
         if n_samples == 1 {
-            for part in pixels.chunks(self.wavefront.max_samples as usize) {
+            let mut rest = pixels.as_slice();
+            while let Some(part) = self.next_part(&mut rest, 1) {
+                let start = Instant::now();
                 let at: Vec<(f64, f64)> = part.iter().map(|(x, y)| (f64::from(*x), f64::from(*y))).collect();
                 let Some(found) = self.trace(&at)? else { return Ok(()) };
                 part.iter().zip(found).for_each(|((x, y), s)| self.keep(*x, *y, s, 1));
                 self.tell(part.len());
+                self.settle_part(start.elapsed());
             }
             return Ok(());
         }
         // At most as many samples of a pixel at once as fit; the film joins the rest.
         let at_once = n_samples.min(self.wavefront.max_samples);
-        let n_pixels = (self.wavefront.max_samples / at_once).max(1) as usize;
-        for part in pixels.chunks(n_pixels) {
+        let mut rest = pixels.as_slice();
+        while let Some(part) = self.next_part(&mut rest, at_once) {
+            let start = Instant::now();
             let mut first = self.settings.samples.start;
             while first < self.settings.samples.end {
                 let end = (first + at_once).min(self.settings.samples.end);
@@ -223,6 +234,7 @@ impl Picture<'_> {
                 first = end;
             }
             self.tell(part.len());
+            self.settle_part(start.elapsed());
         }
         Ok(())
     }
@@ -230,7 +242,9 @@ impl Picture<'_> {
     /// Blocks that decide their samples by what the first ones show.
     fn render_blocks(&mut self, aa: &Antialias, all: &[Block]) -> Result<(), BackendError> {
         let side = self.settings.block_size.max(4) as usize + 1;
-        for part in all.chunks((self.wavefront.max_samples as usize / (side * side)).max(1)) {
+        let mut rest = all;
+        while let Some(part) = self.next_part(&mut rest, (side * side) as u32) {
+            let start = Instant::now();
             let mut memos: Vec<BlockMemo> = part.iter().map(|b| BlockMemo::new(*b)).collect();
             loop {
                 // What each block still wants to see.
@@ -240,7 +254,7 @@ impl Picture<'_> {
                     break;
                 }
                 let mut found: Vec<Sample> = Vec::with_capacity(at.len());
-                for list in at.chunks(self.wavefront.max_samples as usize) {
+                for list in at.chunks(self.wavefront.max_slots as usize) {
                     let Some(samples) = self.trace(list)? else { return Ok(()) };
                     found.extend(samples);
                 }
@@ -254,8 +268,26 @@ impl Picture<'_> {
             for (block, memo) in part.iter().zip(&memos) {
                 self.keep_block(*block, memo.pixels());
             }
+            self.settle_part(start.elapsed());
         }
         Ok(())
+    }
+
+    /// Takes the next part off `rest`, whose items bring so many samples each.
+    fn next_part<'r, T>(&self, rest: &mut &'r [T], of_each: u32) -> Option<&'r [T]> {
+        let n = ((self.part / of_each).max(1) as usize).min(rest.len());
+        let (part, others) = rest.split_at(n);
+        *rest = others;
+        (n > 0).then_some(part)
+    }
+
+    /// Chooses the size of the next part by what the last one took.
+    fn settle_part(&mut self, took: Duration) {
+        if took < SHORT_PART {
+            self.part = (2 * self.part).min(self.wavefront.max_slots);
+        } else if took > LONG_PART {
+            self.part = (self.part / 2).max(self.wavefront.max_samples / 4);
+        }
     }
 
     /// What is seen at each position; `None` when cancelled.
@@ -275,7 +307,7 @@ impl Picture<'_> {
         self.camera.check()?;
         let nothing = self.nothing();
         let mut found = Vec::with_capacity(starts.len());
-        for part in starts.chunks(self.wavefront.max_samples as usize) {
+        for part in starts.chunks(self.wavefront.max_slots as usize) {
             let Some(samples) = self.wavefront.trace(part, self.cancel)? else { return Ok(None) };
             found.extend(part.iter().zip(samples).map(|(start, seen)| if start.shown == 0 { nothing } else { seen }));
         }
@@ -310,7 +342,7 @@ impl Picture<'_> {
         while n < lens.max_samples() && !open.is_empty() {
             let more = lens.group(group).min(lens.max_samples() - n);
             // Few positions at a time, so that memory is bounded.
-            for part in open.chunks((self.wavefront.max_samples / more).max(1) as usize) {
+            for part in open.chunks((self.wavefront.max_slots / more).max(1) as usize) {
                 let places: Vec<(f64, f64)> = part.iter().map(|k| at[*k]).collect();
                 let found = if on_device {
                     self.wavefront.trace_lens(&camera::CameraRays::positions(&places), n..n + more, self.cancel)?

@@ -1,9 +1,12 @@
 //! The wavefront: rays wait in a queue, each step takes a batch off its end through trace, shade and shadow, and puts the rays that the
-//! hits sent on in its place. Last in, first out: the queue grows by a few rays a level, not by the whole picture.
+//! hits sent on in its place. Last in, first out: the queue grows by a few rays a level, not by the whole picture. Camera rays come in when
+//! fewer wait than a step takes, and shadow rays that go on behind clear surfaces wait for those of the next step, so that the device is full
+//! until the last rays of all.
 //!
-//! Stages: `generate_rays` (of focal blur `lens_rays`), then until the queue is empty `trace_closest`, where there are media `media_round`, `shade`, and until no light
-//! is in question `trace_shadow`, `filter_shadow`; where there are area lights, `area_round`. It and `media_round` ask with shadow rays and
-//! run again until they have no question. `project_light` comes before `trace_shadow` where lights are projected through objects.
+//! Stages: `generate_rays` (of focal blur `lens_rays`), then until the queue is empty `trace_closest`, where there are media `media_round`, `shade`,
+//! `trace_shadow`, `filter_shadow`. Where light is asked for in rounds (area lights, lit media) the shadow rays of a step are followed to their ends
+//! before `area_round` and `media_round` look at what arrived and ask again. `project_light` comes before `trace_shadow` where lights are projected
+//! through objects.
 
 use super::buffers::{FAULT_INTERIORS, SceneBuffers};
 use super::device::{Gpu, binding_layout, uniform_layout};
@@ -17,10 +20,12 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Most samples that are traced at once. 64 bytes a ray and more: a few hundred megabytes of queues.
+/// Most rays of a step. 64 bytes a ray and more: a few hundred megabytes of queues.
 const MAX_SAMPLES: u32 = 1 << 18;
 /// A software device has its cores busy with far fewer, and smaller steps can be cancelled sooner.
 const MAX_SAMPLES_SOFTWARE: u32 = 1 << 15;
+/// Camera rays that one call may bring, in steps: 16 bytes each.
+const SLOTS_PER_SAMPLE: u32 = 4;
 /// Points of area lights that are kept at once: 16 bytes each.
 const MAX_AREA_POINTS: u32 = 1 << 23;
 const MAX_AREA_POINTS_SOFTWARE: u32 = 1 << 20;
@@ -70,10 +75,18 @@ pub(super) struct Wavefront<'g> {
     kept_hits: wgpu::Buffer,
     media_points: u32,
     starts: wgpu::Buffer,
-    /// Samples that can be traced at once.
+    /// The counters on their way to the host.
+    counters_copy: wgpu::Buffer,
+    /// Samples that the device has room for in a step.
     pub max_samples: u32,
+    /// Samples of one call at most.
+    pub max_slots: u32,
     max_children: u32,
+    /// Shadow rays of a hit, and the queue's room for them.
+    hit_shadows: u32,
     max_shadows: u32,
+    /// Light is asked for in rounds: the shadow rays of a step must end within it.
+    asks_in_rounds: bool,
     queue_len: u32,
     /// What a step may take, and what it takes by what the last ones needed.
     max_batch: u32,
@@ -89,6 +102,34 @@ fn next_batch(n: u32, now: u32, most: u32, took: Duration) -> u32 {
     if took < SHORT_STEP && n == now { now.saturating_mul(2).min(most) } else { now }
 }
 
+/// Camera rays on their way into the queue: one of each start, or of each position these samples of the lens.
+struct Supply<'a> {
+    starts: &'a [Start],
+    lens: Option<Range<u32>>,
+    /// Rays made so far.
+    made: u32,
+}
+
+impl Supply<'_> {
+    /// Rays of a start.
+    fn of_each(&self) -> u32 {
+        self.lens.as_ref().map_or(1, |samples| samples.len() as u32)
+    }
+
+    fn n_rays(&self) -> u32 {
+        self.starts.len() as u32 * self.of_each()
+    }
+}
+
+/// What waits in the queues.
+#[derive(Clone, Copy)]
+struct Waiting {
+    rays: u32,
+    shadows: u32,
+    /// Which of the two shadow queues they stand in.
+    side: usize,
+}
+
 /// Bytes of `n` structs.
 fn bytes<T: Pod>(n: u32) -> u64 {
     u64::from(n) * size_of::<T>() as u64
@@ -101,6 +142,7 @@ impl<'g> Wavefront<'g> {
         let fitting = gpu.max_binding() / (u64::from(QUEUE_DEPTH) * size_of::<Ray>() as u64);
         let max_samples = most.min(fitting.min(u64::from(u32::MAX)) as u32).max(1024);
         let queue_len = max_samples * QUEUE_DEPTH;
+        let max_slots = max_samples * SLOTS_PER_SAMPLE;
         let max_shadows = (2 * max_samples).max(scene.max_shadows);
         let n_children = (2 * max_samples).max(scene.max_children);
         let max_areas = if scene.max_areas > 0 { (2 * max_samples).max(scene.max_areas) } else { 0 };
@@ -130,8 +172,9 @@ impl<'g> Wavefront<'g> {
         let [a, b] = shadows;
         let (a, b) = (a?, b?);
         let counters = gpu.empty_buffer("counters", bytes::<Counters>(1))?;
-        let radiance = gpu.empty_buffer("radiance", bytes::<[f32; 4]>(max_samples) + bytes::<[f32; 4]>(max_area_points))?;
+        let radiance = gpu.empty_buffer("radiance", bytes::<[f32; 4]>(max_slots) + bytes::<[f32; 4]>(max_area_points))?;
         let areas = gpu.empty_buffer("area lights at hits", bytes::<AreaTask>(max_areas))?;
+        let counters_copy = gpu.read_buffer(size_of::<Counters>() as u64);
         let starts = gpu.empty_buffer("camera rays", bytes::<Start>(max_samples))?;
 
         let mut entries = vec![uniform_layout(0), uniform_layout(1)];
@@ -156,7 +199,7 @@ impl<'g> Wavefront<'g> {
             let mut options = scene.options.clone();
             options.feature_if("shadow_rays", name == "trace_shadow");
             options.feature_if("double", gpu.has_double());
-            options.constant("AREA_POINTS_AT", max_samples);
+            options.constant("AREA_POINTS_AT", max_slots);
             options.constant("MAX_AREA_POINTS", max_area_points);
             let start = Instant::now();
             let pipeline = gpu.compute_pipeline(name, &assemble(name, &options)?, name, &[&scene_layout, &table_layout])?;
@@ -204,6 +247,7 @@ impl<'g> Wavefront<'g> {
         ];
         let max_batch = fitting.into_iter().fold(max_samples, u32::min).max(1);
         let max_children = scene.max_children;
+        let asks_in_rounds = needed > 0 || stages.area_round.is_some() || stages.project_light.is_some();
         Ok(Self {
             gpu,
             stages,
@@ -219,24 +263,22 @@ impl<'g> Wavefront<'g> {
             kept_hits,
             media_points: scene.media_points,
             starts,
+            counters_copy,
             max_samples,
+            max_slots,
             max_children,
+            hit_shadows: scene.max_shadows,
             max_shadows,
+            asks_in_rounds,
             queue_len,
             max_batch,
             batch_now: max_batch.min(FIRST_BATCH),
         })
     }
 
-    /// Red, green, blue, transmit seen by up to `max_samples` camera rays; `None` when cancelled.
+    /// Red, green, blue, transmit seen by up to `max_slots` camera rays; `None` when cancelled.
     pub fn trace(&mut self, starts: &[Start], cancel: &AtomicBool) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
-        let n = starts.len() as u32;
-        assert!(n <= self.max_samples, "the caller cuts its samples into batches");
-        if n == 0 {
-            return Ok(Some(Vec::new()));
-        }
-        self.begin(&self.stages.generate_rays, starts, Batch { n, ..Batch::default() });
-        self.finish(n, cancel)
+        self.follow(Supply { starts, lens: None, made: 0 }, cancel)
     }
 
     /// Whether samples of the lens are made here.
@@ -244,40 +286,42 @@ impl<'g> Wavefront<'g> {
         self.stages.lens_rays.is_some()
     }
 
-    /// What `samples` of the lens see at each position, those of a position together; `None` when cancelled. At most `max_samples` in all.
+    /// What `samples` of the lens see at each position, those of a position together; `None` when cancelled. At most `max_slots` in all, and `max_samples` of a
+    /// position.
     pub fn trace_lens(
         &mut self,
         positions: &[Start],
         samples: Range<u32>,
         cancel: &AtomicBool,
     ) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
-        let stage = self.stages.lens_rays.as_ref().expect("the caller asked whether lens rays are made here");
-        let n = positions.len() as u32 * samples.len() as u32;
-        assert!(n <= self.max_samples, "the caller cuts its samples into batches");
-        let (lens_first, lens_samples) = (samples.start, samples.len() as u32);
-        self.begin(stage, positions, Batch { n, lens_first, lens_samples, ..Batch::default() });
-        self.finish(n, cancel)
+        self.follow(Supply { starts: positions, lens: Some(samples), made: 0 }, cancel)
     }
 
-    /// Puts the rays of a batch in the queue.
-    fn begin(&self, stage: &Stage, starts: &[Start], batch: Batch) {
-        self.gpu.queue.write_buffer(&self.starts, 0, cast_slice(starts));
-        self.set_batch(batch);
+    /// Makes the camera rays and follows them to their ends.
+    fn follow(&mut self, mut supply: Supply, cancel: &AtomicBool) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
+        let n = supply.n_rays();
+        assert!(n <= self.max_slots, "the caller cuts its samples into parts");
+        if n == 0 {
+            return Ok(Some(Vec::new()));
+        }
         let mut encoder = self.encoder();
-        encoder.clear_buffer(&self.radiance, 0, Some(bytes::<[f32; 4]>(batch.n)));
-        self.run(&mut encoder, stage, 0, batch.n);
+        encoder.clear_buffer(&self.radiance, 0, Some(bytes::<[f32; 4]>(n)));
         self.gpu.queue.submit([encoder.finish()]);
-    }
-
-    /// Follows `n` rays to their ends.
-    fn finish(&mut self, n: u32, cancel: &AtomicBool) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
-        let mut pending = n;
-        while pending > 0 {
+        let mut waiting = Waiting { rays: 0, shadows: 0, side: 0 };
+        loop {
             if cancel.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            pending = self.step(pending)?;
+            while supply.made < n && waiting.rays < self.batch_now {
+                waiting.rays += self.generate(&mut supply, waiting.rays);
+            }
+            if waiting.rays == 0 {
+                break;
+            }
+            waiting = self.step(waiting)?;
         }
+        self.shadow_steps(waiting.shadows, waiting.side)?;
+        self.clock.map_or(Ok(()), |c| c.read(self.gpu))?;
         let found = self.gpu.submit_and_read(self.encoder(), &self.radiance, 0, bytes::<[f32; 4]>(n))?;
         let mut samples: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&found);
         // As the CPU has it: what is not a number is black.
@@ -287,24 +331,57 @@ impl<'g> Wavefront<'g> {
         Ok(Some(samples))
     }
 
-    /// Takes a batch off the end of `pending` rays; gives how many are in the queue afterwards.
-    fn step(&mut self, pending: u32) -> Result<u32, BackendError> {
+    /// Puts the next camera rays in the queue behind the `waiting` ones; gives how many.
+    fn generate(&self, supply: &mut Supply, waiting: u32) -> u32 {
+        let of_each = supply.of_each();
+        let room = self.max_samples.min(self.queue_len - waiting);
+        let first = supply.made / of_each;
+        let n_starts = (room / of_each).min(supply.starts.len() as u32 - first);
+        let starts = &supply.starts[first as usize..(first + n_starts) as usize];
+        let n = n_starts * of_each;
+        self.gpu.queue.write_buffer(&self.starts, 0, cast_slice(starts));
+        let lens_first = supply.lens.as_ref().map_or(0, |samples| samples.start);
+        self.set_batch(Batch { first: waiting, n, slot: supply.made, lens_first, lens_samples: of_each, ..Batch::default() });
+        let mut encoder = self.encoder();
+        let of_lens = "the caller asked whether lens rays are made here";
+        let stage = supply.lens.as_ref().map_or(&self.stages.generate_rays, |_| self.stages.lens_rays.as_ref().expect(of_lens));
+        self.run(&mut encoder, stage, 0, n);
+        self.gpu.queue.submit([encoder.finish()]);
+        supply.made += n;
+        n
+    }
+
+    /// Takes a batch off the end of the rays that wait; gives what waits afterwards.
+    fn step(&mut self, waiting: Waiting) -> Result<Waiting, BackendError> {
         let start = Instant::now();
-        // A batch of n takes n rays away and may bring max_children * n.
-        let room = (self.queue_len - pending) / self.max_children.saturating_sub(1).max(1);
-        let n = pending.min(self.batch_now).min(room.max(1));
-        let first = pending - n;
+        // A batch of n takes n rays away and may bring max_children * n, and hit_shadows * n shadow rays.
+        let room = (self.queue_len - waiting.rays) / self.max_children.saturating_sub(1).max(1);
+        let shadow_room = (self.max_shadows - waiting.shadows) / self.hit_shadows.max(1);
+        let n = waiting.rays.min(self.batch_now).min(room.max(1)).min(shadow_room.max(1));
+        let first = waiting.rays - n;
         self.set_batch(Batch { first, n, ..Batch::default() });
-        self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
+        self.count_from(waiting.shadows);
         let mut encoder = self.encoder();
         self.run(&mut encoder, &self.stages.trace_closest, 0, n);
         if let Some(stage) = &self.stages.media_round {
             encoder = self.media_rounds(stage, encoder, first, n)?;
         }
-        self.run(&mut encoder, &self.stages.shade, 0, n);
-        let counters = self.read_counters(encoder)?;
-        self.shadow_steps(counters.n_shadows)?;
-        self.area_rounds(&counters)?;
+        self.run(&mut encoder, &self.stages.shade, waiting.side, n);
+        let (counters, shadows, side) = if self.asks_in_rounds {
+            let counters = self.read_counters(encoder)?;
+            self.shadow_steps(counters.n_shadows, 0)?;
+            self.area_rounds(&counters)?;
+            (counters, 0, 0)
+        } else {
+            // How many there are is known on the device alone: threads too many end at once.
+            let most = (waiting.shadows + self.hit_shadows * n).min(self.max_shadows);
+            self.shadow_pass(&mut encoder, waiting.side, most);
+            let counters = self.read_counters(encoder)?;
+            // Those that go on wait for the next step, unless they leave it no room.
+            let enough = (self.max_shadows / 4).min(self.max_shadows - self.hit_shadows);
+            let (left, side) = self.shadow_steps_down_to(counters.n_shadows_out, 1 - waiting.side, enough)?;
+            (counters, left, side)
+        };
         let n_children = counters.n_children;
         if u64::from(first) + u64::from(n_children) > u64::from(self.queue_len) {
             return Err(BackendError::Unsupported("more rays in flight than the queue holds".into()));
@@ -316,30 +393,37 @@ impl<'g> Wavefront<'g> {
         }
         self.batch_now = next_batch(n, self.batch_now, self.max_batch, start.elapsed());
         self.clock.map_or(Ok(()), |c| c.read(self.gpu))?;
-        Ok(first + n_children)
+        Ok(Waiting { rays: first + n_children, shadows, side })
     }
 
-    /// Follows `n` shadow rays, and those that go on behind clear surfaces, to their ends.
-    fn shadow_steps(&self, n: u32) -> Result<(), BackendError> {
-        let (mut n, mut side, mut is_first) = (n, 0, true);
-        while n > 0 {
-            self.set_batch(Batch { n_shadows: n, ..Batch::default() });
+    /// Traces the shadow rays of one queue, at most `most`; those that go on stand in the other one.
+    fn shadow_pass(&self, encoder: &mut wgpu::CommandEncoder, side: usize, most: u32) {
+        self.run(encoder, &self.stages.trace_shadow, side, most);
+        if let Some(filter) = &self.stages.filter_shadow {
+            self.run(encoder, filter, side, most);
+        }
+    }
+
+    /// Follows the `n` shadow rays of a queue, and those that go on behind clear surfaces, to their ends.
+    fn shadow_steps(&self, n: u32, side: usize) -> Result<(), BackendError> {
+        self.shadow_steps_down_to(n, side, 0).map(|_| ())
+    }
+
+    /// The same until no more than `enough` are left; gives how many, and which queue they stand in.
+    fn shadow_steps_down_to(&self, mut n: u32, mut side: usize, enough: u32) -> Result<(u32, usize), BackendError> {
+        let mut is_first = true;
+        while n > enough {
+            self.count_from(n);
             let mut encoder = self.encoder();
             if let (Some(project), true) = (&self.stages.project_light, is_first) {
                 self.run(&mut encoder, project, side, n);
             }
             is_first = false;
-            self.run(&mut encoder, &self.stages.trace_shadow, side, n);
-            let Some(filter) = &self.stages.filter_shadow else {
-                self.gpu.queue.submit([encoder.finish()]);
-                break;
-            };
-            self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
-            self.run(&mut encoder, filter, side, n);
+            self.shadow_pass(&mut encoder, side, n);
             n = self.read_counters(encoder)?.n_shadows_out;
             side = 1 - side;
         }
-        Ok(())
+        Ok((n, side))
     }
 
     /// What media do to a batch of rays whose hits are known, after what was recorded so far; gives a new encoder. Samples ask for lamps round by round.
@@ -352,7 +436,7 @@ impl<'g> Wavefront<'g> {
     ) -> Result<wgpu::CommandEncoder, BackendError> {
         if self.media_points > 0 {
             let room = bytes::<[f32; 4]>(n) * u64::from(self.media_points);
-            encoder.clear_buffer(&self.radiance, bytes::<[f32; 4]>(self.max_samples), Some(room));
+            encoder.clear_buffer(&self.radiance, bytes::<[f32; 4]>(self.max_slots), Some(room));
             encoder.copy_buffer_to_buffer(&self.hits, 0, &self.kept_hits, 0, bytes::<Hit>(n));
         }
         for round in 0.. {
@@ -362,13 +446,13 @@ impl<'g> Wavefront<'g> {
             }
             let asked = self.read_counters(encoder)?.n_shadows.min(self.max_shadows);
             encoder = self.encoder();
-            self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
+            self.count_from(0);
             if asked == 0 {
                 break;
             }
-            self.shadow_steps(asked)?;
+            self.shadow_steps(asked, 0)?;
             encoder.copy_buffer_to_buffer(&self.kept_hits, 0, &self.hits, 0, bytes::<Hit>(n));
-            self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
+            self.count_from(0);
             self.set_batch(Batch { first, n, round: round + 1, ..Batch::default() });
         }
         Ok(encoder)
@@ -381,11 +465,11 @@ impl<'g> Wavefront<'g> {
             return Ok(());
         }
         let mut encoder = self.encoder();
-        encoder.clear_buffer(&self.radiance, bytes::<[f32; 4]>(self.max_samples), Some(bytes::<[f32; 4]>(asked.n_area_points)));
+        encoder.clear_buffer(&self.radiance, bytes::<[f32; 4]>(self.max_slots), Some(bytes::<[f32; 4]>(asked.n_area_points)));
         self.gpu.queue.submit([encoder.finish()]);
         for round in 0.. {
             self.set_batch(Batch { n_areas: asked.n_areas, round, ..Batch::default() });
-            self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters::default()));
+            self.count_from(0);
             let mut encoder = self.encoder();
             self.run(&mut encoder, stage, 0, asked.n_areas);
             // The queue may be full: what is left asks again.
@@ -393,7 +477,7 @@ impl<'g> Wavefront<'g> {
             if n == 0 {
                 break;
             }
-            self.shadow_steps(n)?;
+            self.shadow_steps(n, 0)?;
         }
         Ok(())
     }
@@ -412,8 +496,13 @@ impl<'g> Wavefront<'g> {
         self.gpu.queue.write_buffer(&self.batch, 0, bytes_of(&batch));
     }
 
+    /// Clears the counters; so many shadow rays are in the queue already.
+    fn count_from(&self, n_shadows: u32) {
+        self.gpu.queue.write_buffer(&self.counters, 0, bytes_of(&Counters { n_shadows, ..Counters::default() }));
+    }
+
     fn read_counters(&self, encoder: wgpu::CommandEncoder) -> Result<Counters, BackendError> {
-        let bytes = self.gpu.submit_and_read(encoder, &self.counters, 0, size_of::<Counters>() as u64)?;
+        let bytes = self.gpu.submit_and_read_into(encoder, &self.counters, 0, size_of::<Counters>() as u64, &self.counters_copy)?;
         let counters: Counters = bytemuck::pod_read_unaligned(&bytes);
         match counters.fault {
             0 => Ok(counters),
