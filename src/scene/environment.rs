@@ -74,11 +74,22 @@ pub struct FloatImage {
     pub texels: Vec<Vec3>,
 }
 
-/// A clear sky by scattering of sunlight, with the sun's disc. Source: Nishita et al. 1993; parameters as Blender's Sky Texture node.
+/// How a clear sky scatters light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SkyModel {
+    /// Once, as Blender 4's NISHITA shows it.
+    Nishita,
+    /// Once, as Blender 5's SINGLE_SCATTERING shows it: the same light, its table laid out better.
+    Single,
+    /// Many times: Blender 5's MULTIPLE_SCATTERING.
+    Multiple,
+}
+
+/// A clear sky by scattering of sunlight, with the sun's disc. Parameters as Blender's Sky Texture node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sky {
-    /// Light scattered once (Blender's NISHITA and SINGLE_SCATTERING); true: many times.
-    pub multiple_scattering: bool,
+    /// What is simulated.
+    pub model: SkyModel,
     /// The disc is drawn (and sampled).
     pub sun_disc: bool,
     /// Full angle of the disc.
@@ -103,7 +114,7 @@ impl Default for Sky {
     /// Blender 4.5's defaults.
     fn default() -> Self {
         Self {
-            multiple_scattering: false,
+            model: SkyModel::Nishita,
             sun_disc: true,
             sun_size_rad: 0.545f32.to_radians(),
             sun_intensity: 1.0,

@@ -2,7 +2,7 @@
 
 use crate::files::{Data, Folder, SQUARE, material, mesh, png};
 use rayloom::math::{DVec3, Vec3};
-use rayloom::scene::environment::EnvironmentSource;
+use rayloom::scene::environment::{EnvironmentSource, SkyModel};
 use rayloom::scene::input::{Channel, NormalInput};
 use rayloom::scene::lamp::LampShape;
 use rayloom::scene::shader::{Closure, MixFactor, PrincipledClosure};
@@ -189,7 +189,12 @@ fn worlds_are_colours_pictures_and_skies() {
         1,
     );
     let EnvironmentSource::Sky(sky) = &sky.source else { panic!("{:?}", sky.source) };
-    assert!(sky.sun_elevation_rad == 0.5 && !sky.sun_disc && !sky.multiple_scattering);
+    assert!(sky.sun_elevation_rad == 0.5 && !sky.sun_disc && sky.model == SkyModel::Nishita);
+    for (model, want) in [("singleScattering", SkyModel::Single), ("multipleScattering", SkyModel::Multiple)] {
+        let nodes = format!(r#"{{"type":"sky","model":"{model}"}},{{"type":"background","color":{{"node":0}},"strength":1}}"#);
+        let EnvironmentSource::Sky(sky) = world(&nodes, 1).source else { panic!("no sky") };
+        assert_eq!(sky.model, want);
+    }
     // Without a world it is black, and no lamp is added.
     let none = scene(file(&Data::default(), &[], "", ""));
     assert_eq!(none.environment.expect("an environment").strength, Vec3::ZERO);

@@ -271,10 +271,14 @@ shared! {
         env_z: [f32; 3],
         sky_sun_open: f32,
         sky_sun: [f32; 3],
-        sky_sun_sine: f32,
+        sky_sun_half: f32,
         sky_sun_dir: [f32; 3],
         sky_sun_energy: f32,
-        sky_sun_radiance: [f32; 3],
+        sky_sun_up: [f32; 3],
+        sky_sun_foot_height: f32,
+        sky_sun_foot: [f32; 3],
+        sky_sun_span: f32,
+        sky_sun_top: [f32; 3],
         volume_bounces: u32,
     }
     /// Slots and samples of one dispatch of the path integrator.

@@ -177,10 +177,5 @@ pub fn left_out(scene: &crate::compile::CompiledScene) -> Vec<(&'static str, &'s
     note(f.normals && !t.layers.is_empty(), "path-bumps", "path tracing: bumps of POV-Ray's textures are left out");
     note(f.media || f.fog, "path-media", "path tracing: POV-Ray's media, fog and fading interiors are left out");
     note(f.photons, "path-photons", "path tracing: the photons block is left out; paths find caustics themselves");
-    note(scene.environment.as_ref().is_some_and(is_multiple), "path-sky", "path tracing: the sky scatters light once");
     list
-}
-
-fn is_multiple(e: &crate::scene::Environment) -> bool {
-    matches!(&e.source, crate::scene::environment::EnvironmentSource::Sky(s) if s.multiple_scattering)
 }

@@ -206,6 +206,7 @@ mod tests {
             &["any_light", "env_sampled", "environment", "env_picture", "many_kinds", "light_tree", "emitters"],
             &["any_light", "env_sampled", "environment", "env_picture", "mirror_ball"],
             &["any_light", "env_sampled", "environment", "sky", "sky_sun", "many_kinds"],
+            &["any_light", "env_sampled", "environment", "sky", "sky_below", "sky_sun", "many_kinds"],
             &["texels", "uv", "corner_colors", "bent", "bumps"],
             &["panorama"],
             &["open_shutter", "camera_motion", "lens"],
@@ -258,7 +259,7 @@ mod tests {
             validates(set).unwrap_or_else(|e| panic!("{set:?}: {e}"));
         }
         let mut all: Vec<&str> = sets.concat();
-        all.retain(|f| !["orthographic", "panorama", "sky", "mirror_ball"].contains(f));
+        all.retain(|f| !["orthographic", "panorama", "sky", "sky_below", "mirror_ball"].contains(f));
         validates(&all).expect("all at once");
         // What cannot be: closures that call what is not there.
         assert!(validates(&["plain_glass"]).is_err());

@@ -202,6 +202,9 @@ fn encode_environment(plan: &PathPlan, e: &mut Encoder, p: &mut PathParams) {
         }
         Kind::Sky(sky) => {
             e.features.insert("sky");
+            if sky.below {
+                e.features.insert("sky_below");
+            }
             p.sky_sun = v3(sky.sun);
             p.env_at = append(&mut e.words, sky.table.iter().flat_map(|c| c.to_array()).map(f32::to_bits));
         }
@@ -212,10 +215,15 @@ fn encode_environment(plan: &PathPlan, e: &mut Encoder, p: &mut PathParams) {
     }
     if let Some(s) = &plan.lights.sky_sun {
         let open = 1.0 - s.cos_half;
-        p.sky_sun_dir = v3(s.dir);
+        let [foot, top] = s.disc.radiance.map(|c| c.to_array());
+        p.sky_sun_dir = v3(s.disc.dir);
         p.sky_sun_open = open as f32;
-        p.sky_sun_sine = s.cos_half.acos() as f32;
-        p.sky_sun_radiance = s.radiance.to_array();
-        p.sky_sun_energy = (grey(s.radiance) * 2.0 * PI * open) as f32;
+        p.sky_sun_half = s.disc.half as f32;
+        p.sky_sun_up = v3(s.disc.up);
+        p.sky_sun_foot = foot;
+        p.sky_sun_foot_height = s.disc.heights[0] as f32;
+        p.sky_sun_top = top;
+        p.sky_sun_span = (s.disc.heights[1] - s.disc.heights[0]) as f32;
+        p.sky_sun_energy = (grey(s.disc.mean()) * 2.0 * PI * open) as f32;
     }
 }

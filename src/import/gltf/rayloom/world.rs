@@ -8,7 +8,7 @@ use super::{Extension, visibility};
 use crate::diag::Sink;
 use crate::math::{DMat3, DVec3, Rgbft, Vec3};
 use crate::scene::Environment;
-use crate::scene::environment::{EnvironmentSource, Sky};
+use crate::scene::environment::{EnvironmentSource, Sky, SkyModel};
 use std::sync::Arc;
 
 /// The environment of the record `world`.
@@ -111,7 +111,11 @@ fn sky(inputs: &mut Inputs, node: usize) -> Result<Sky, ImportError> {
     let d = Sky::default();
     let model = r.text("model")?.unwrap_or("nishita");
     let sky = Sky {
-        multiple_scattering: model == "multipleScattering",
+        model: match model {
+            "multipleScattering" => SkyModel::Multiple,
+            "singleScattering" => SkyModel::Single,
+            _ => SkyModel::Nishita,
+        },
         sun_disc: r.flag("sunDisc", d.sun_disc)?,
         sun_size_rad: r.positive_or("sunSize", f64::from(d.sun_size_rad))? as f32,
         sun_intensity: r.positive_or("sunIntensity", f64::from(d.sun_intensity))? as f32,

@@ -108,11 +108,12 @@ impl ReadyEnvironment {
         ready
     }
 
-    /// The sun's disc of a sky, as a lamp of the source's space: direction to it, half angle, radiance at its middle.
-    pub fn sun(&self) -> Option<(DVec3, f64, Rgb)> {
+    /// The sun's disc of a sky, in world space.
+    pub fn sun(&self) -> Option<super::sky::Disc> {
         let Kind::Sky(sky) = &self.kind else { return None };
-        let (dir, half, radiance) = sky.disc()?;
-        Some((self.rotation.transpose() * dir, half, radiance * self.strength))
+        let d = sky.disc()?;
+        let to_world = self.rotation.transpose();
+        Some(super::sky::Disc { dir: to_world * d.dir, up: to_world * d.up, radiance: d.radiance.map(|c| c * self.strength), ..d })
     }
 
     /// Ray kinds that see it.

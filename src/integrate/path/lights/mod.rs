@@ -87,12 +87,10 @@ pub struct Chosen {
 
 /// The sun's disc of a sky.
 pub struct SkySun {
-    /// Unit, to its middle.
-    pub dir: DVec3,
+    /// In world space.
+    pub disc: sky::Disc,
     /// Of half the disc's angle.
     pub cos_half: f64,
-    /// At its middle; it darkens towards the rim.
-    pub radiance: Rgb,
 }
 
 /// Lights of a scene.
@@ -166,7 +164,7 @@ impl LightSet {
             });
         }
         lights.extend(triangle_lights);
-        let sky_sun = environment.sun().map(|(dir, half, radiance)| SkySun { dir, cos_half: half.cos(), radiance });
+        let sky_sun = environment.sun().map(|disc| SkySun { cos_half: disc.half.cos(), disc });
         let tree = LightTree::new(&lights);
         let only_tree = !tree.is_empty() && suns.is_empty() && plain.is_empty() && environment.estimate() == 0.0 && sky_sun.is_none();
         Self { lamps, suns, tree_lamps, tree_of_lamp, emitters, tree, plain, environment, sky_sun, only_tree }
@@ -196,7 +194,7 @@ impl LightSet {
         let environment = self.environment.estimate();
         let sky_sun = self.sky_sun.as_ref().map_or(0.0, |s| {
             let solid = 2.0 * PI * (1.0 - s.cos_half);
-            grey(s.radiance) * solid * n.map_or(1.0, |n| s.dir.dot(n).max(0.02))
+            grey(s.disc.mean()) * solid * n.map_or(1.0, |n| s.disc.dir.dot(n).max(0.02))
         });
         let mut total = tree + environment + sky_sun;
         total += self.suns.iter().map(|k| self.sun_share(&self.lamps[*k as usize], n)).sum::<f64>();
@@ -267,9 +265,9 @@ impl LightSet {
             }
             LightSource::SkySun => {
                 let sun = self.sky_sun.as_ref()?;
-                let dir = cone_sample(sun.dir, sun.cos_half, u[0], u[1]);
+                let dir = cone_sample(sun.disc.dir, sun.cos_half, u[0], u[1]);
                 let pdf = (1.0 / (2.0 * PI * (1.0 - sun.cos_half))) as f32;
-                LightSample { dir, distance: f64::INFINITY, radiance: sun.toward(dir), pdf, ..LightSample::NONE }
+                LightSample { dir, distance: f64::INFINITY, radiance: sun.disc.toward(dir), pdf, ..LightSample::NONE }
             }
         };
         let pdf = s.pdf * c.chance;
@@ -347,10 +345,10 @@ impl LightSet {
 
     /// Radiance of the sun of a sky along `dir`, and the density with which it is drawn.
     pub fn sky_sun(&self, scene: &CompiledScene, p: DVec3, n: Option<DVec3>, dir: DVec3) -> Option<(Rgb, f32)> {
-        let s = self.sky_sun.as_ref().filter(|s| dir.dot(s.dir) >= s.cos_half)?;
+        let s = self.sky_sun.as_ref().filter(|s| dir.dot(s.disc.dir) >= s.cos_half)?;
         let shares = self.shares(scene, p, n);
         let pdf = shares.sky_sun / shares.total / (2.0 * PI * (1.0 - s.cos_half));
-        Some((s.toward(dir), pdf as f32))
+        Some((s.disc.toward(dir), pdf as f32))
     }
 
     /// Lamps that a ray of kind `kind` meets before `t_max`: calls `f` with radiance, the density with which each is drawn, and its depth.
@@ -375,15 +373,6 @@ impl LightSet {
             };
             f(radiance, pdf * chance as f32, t);
         }
-    }
-}
-
-impl SkySun {
-    /// Radiance along `dir` of the disc. Source: Cycles' limb darkening, 1 - 0.6 (1 - sqrt(1 - r²)).
-    fn toward(&self, dir: DVec3) -> Rgb {
-        let angle = dir.cross(self.dir).length().clamp(0.0, 1.0).asin();
-        let r = (angle / self.cos_half.clamp(-1.0, 1.0).acos()).min(1.0);
-        self.radiance * (1.0 - 0.6 * (1.0 - (1.0 - r * r).sqrt())) as f32
     }
 }
 
