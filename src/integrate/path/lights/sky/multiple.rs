@@ -1,10 +1,10 @@
 //! A clear sky whose light is scattered many times: air, dust and ozone at four wavelengths, what is scattered more than once and what the
 //! ground sends back by a fit.
 //!
-//! Source: García Liñán 2022, "A physically based sky" (master's thesis, its published shader and `skytracer`), over the data of Bucholtz 1995
-//! (air), Guimera et al. 2018 (height and cross sections of a city's dust), Gorshelev et al. 2014 and Dütsch 1974 (ozone). Sizes of the steps
-//! and tables are Cycles' (measured in bpy 5.0: `tests/measured/cycles_sky.txt`), since they are coarse enough to be seen: even steps across 100 km
-//! see 16 % less of the dust than there is.
+//! Source: García Liñán 2022 (master's thesis; its shader and `skytracer` are published under the MIT licence), over the data of Bucholtz 1995 (air),
+//! Guimera et al. 2018 (heights and cross sections of a city's dust), Gorshelev et al. 2014 and Dütsch 1973 (ozone). Sizes of the steps and tables
+//! are Cycles' (measured in bpy 5.0: `tests/measured/cycles_sky.txt`), since they are coarse enough to be seen: even steps across 100 km see 16 %
+//! less of the dust than there is.
 
 use super::{Model, Placement, fraction};
 use crate::math::{DVec3, Rgb, Vec3};
