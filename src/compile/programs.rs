@@ -42,6 +42,24 @@ pub(super) struct Node {
     pub is_difference: bool,
 }
 
+impl Node {
+    /// A node that nothing clips or bounds yet: `[bounds, cobounds]` hold its inside and its outside.
+    pub fn new(kind: NodeKind, [bounds, cobounds]: [Bounds; 2], surface_bounds: Bounds, solid: bool) -> Self {
+        Self {
+            kind,
+            clips: Vec::new(),
+            bounds,
+            cobounds,
+            surface_bounds,
+            cull_box: None,
+            prims: 0..0,
+            solid,
+            is_difference: false,
+            keeps_bounds: false,
+        }
+    }
+}
+
 /// Most children that are asked one by one, without a box around some of them. Picked by feel.
 const GROUP: usize = 8;
 

@@ -466,17 +466,6 @@ impl Flattener {
             (false, true) => NodeKind::Merge(list),
             (false, false) => NodeKind::Any(list),
         };
-        Some(Node {
-            kind,
-            clips: Vec::new(),
-            bounds,
-            cobounds,
-            surface_bounds,
-            cull_box: None,
-            prims: 0..0,
-            solid,
-            is_difference: false,
-            keeps_bounds: false,
-        })
+        Some(Node::new(kind, [bounds, cobounds], surface_bounds, solid))
     }
 }

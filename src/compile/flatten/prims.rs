@@ -71,20 +71,7 @@ impl Flattener {
         });
         self.geometry.bounds.push(leaf.surface_bounds);
         let (bounds, cobounds) = if inverted { (Bounds::UNBOUNDED, leaf.inside_bounds) } else { (leaf.inside_bounds, Bounds::UNBOUNDED) };
-        let kind = NodeKind::Leaf(prim_ix);
-        let surface_bounds = leaf.surface_bounds;
-        Ok(Node {
-            kind,
-            clips: Vec::new(),
-            bounds,
-            cobounds,
-            surface_bounds,
-            cull_box: None,
-            prims: 0..0,
-            solid: leaf.solid,
-            is_difference: false,
-            keeps_bounds: false,
-        })
+        Ok(Node::new(NodeKind::Leaf(prim_ix), [bounds, cobounds], leaf.surface_bounds, leaf.solid))
     }
 
     /// The cover that a leaf gets; sets `TRANSPARENT` and `NEEDS_UV`.
