@@ -101,6 +101,12 @@ impl StageClock {
         }
     }
 
+    /// Reads the times once half of the places are taken: reading waits for the device, which the times must not show.
+    pub fn read_when_filling(&self, gpu: &Gpu) -> Result<(), BackendError> {
+        let n = self.state.lock().unwrap_or_else(PoisonError::into_inner).pending.len() as u32;
+        if n < MOST_PENDING / 2 { Ok(()) } else { self.read(gpu) }
+    }
+
     /// Reads the times of all dispatches so far; they must have been submitted.
     pub fn read(&self, gpu: &Gpu) -> Result<(), BackendError> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);

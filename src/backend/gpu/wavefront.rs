@@ -392,7 +392,7 @@ impl<'g> Wavefront<'g> {
             self.gpu.queue.submit([encoder.finish()]);
         }
         self.batch_now = next_batch(n, self.batch_now, self.max_batch, start.elapsed());
-        self.clock.map_or(Ok(()), |c| c.read(self.gpu))?;
+        self.clock.map_or(Ok(()), |c| c.read_when_filling(self.gpu))?;
         Ok(Waiting { rays: first + n_children, shadows, side })
     }
 
