@@ -3,6 +3,7 @@
 
 mod files;
 mod interrupts;
+mod language;
 mod run;
 mod scenes;
 

@@ -96,7 +96,7 @@ impl Parser<'_> {
         for &d in &dims {
             self.expect(Punct::LBracket)?;
             let x = self.opened(|p| p.parse_float())?;
-            let i = (x + 1e-10).trunc();
+            let i = x + 1e-10;
             if i < 0.0 {
                 return Err(self.error("Negative subscript"));
             }

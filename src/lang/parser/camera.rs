@@ -82,7 +82,10 @@ impl Parser<'_> {
 
     fn mesh_camera(&mut self) -> PResult<Projection> {
         self.block("mesh_camera", |p| {
-            let n_rays = p.parse_int()?.max(1);
+            let n_rays = p.parse_int()?;
+            if n_rays < 1 {
+                return Err(p.error("Rays per pixel may not be 0"));
+            }
             let n_rays = p.at_most(n_rays, 1 << 20, "A number of rays")?;
             let distribution = p.parse_int()?;
             if !(0..=3).contains(&distribution) {

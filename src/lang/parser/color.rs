@@ -3,12 +3,12 @@
 use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
 use crate::lang::token::TokenKind;
-use crate::lang::value::{Num, Value};
+use crate::lang::value::Value;
 use crate::math::{Rgb, Rgbft};
 use crate::scene::settings::WorkingGamma;
 
 impl Parser<'_> {
-    /// A colour of five components.
+    /// A colour of five components; black when none is given.
     pub(super) fn parse_color(&mut self) -> PResult<Rgbft> {
         self.parse_color_of(5)
     }
@@ -23,44 +23,37 @@ impl Parser<'_> {
     }
 
     fn parse_color_of(&mut self, target: u8) -> PResult<Rgbft> {
-        let had_word = self.accept_kw(Kw::Color)?;
+        self.accept_kw(Kw::Color)?;
         let mut c = [0.0f64; 5];
-        let mut started = had_word;
         let t = self.opened_start()?;
         match t.kind {
             TokenKind::Kw(k @ (Kw::Rgb | Kw::Srgb)) => {
                 self.next()?;
                 c = self.color_components(k, 3)?;
-                started = true;
             }
             TokenKind::Kw(k @ (Kw::Rgbf | Kw::Srgbf)) => {
                 self.next()?;
                 c = self.color_components(k, 4)?;
-                started = true;
             }
             TokenKind::Kw(k @ (Kw::Rgbt | Kw::Srgbt)) => {
                 self.next()?;
                 c = self.color_components(k, 4)?;
                 (c[3], c[4]) = (0.0, c[3]);
-                started = true;
             }
             TokenKind::Kw(k @ (Kw::Rgbft | Kw::Srgbft)) => {
                 self.next()?;
                 c = self.color_components(k, 5)?;
-                started = true;
             }
             TokenKind::Kw(Kw::Red | Kw::Green | Kw::Blue | Kw::Filter | Kw::Transmit | Kw::Alpha) => {}
-            _ if self.color_operand_follows()? => {
-                let n = self.parse_cond_or_sum(had_word)?;
+            _ if self.number_follows()? => {
+                let n = self.parse_sum()?;
                 c = n.promoted(target).v;
                 if target == 3 && n.n < 5 {
                     c[3] = if n.n >= 4 { c[3] } else { 0.0 };
                     c[4] = 0.0;
                 }
-                started = true;
             }
-            _ if had_word => {}
-            _ => return self.expected("color expression"),
+            _ => {}
         }
         loop {
             let t = self.peek_op()?;
@@ -78,21 +71,8 @@ impl Parser<'_> {
             };
             self.next()?;
             c[i] = self.parse_float()?;
-            started = true;
-        }
-        if !started {
-            return self.expected("color expression");
         }
         Ok(Rgbft::from_array(c.map(|x| x as f32)))
-    }
-
-    /// After `color`, or in a colour place, a whole Cond is read.
-    fn parse_cond_or_sum(&mut self, _had_word: bool) -> PResult<Num> {
-        self.parse_sum()
-    }
-
-    fn color_operand_follows(&mut self) -> PResult<bool> {
-        self.number_follows()
     }
 
     /// The operand of an rgb-form, promoted to `n` components; sRGB forms are decoded to the working space.

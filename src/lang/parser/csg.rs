@@ -236,7 +236,7 @@ impl Parser<'_> {
     }
 
     pub(super) fn parse_isosurface(&mut self) -> PResult<Shape> {
-        let function = self.parse_function_item()?;
+        let function = self.parse_function_item(3)?;
         let mut container = Container::Box { min: DVec3::NEG_ONE, max: DVec3::ONE };
         let (mut threshold, mut accuracy, mut max_gradient) = (0.0, 0.001, 1.1);
         let (mut evaluate, mut open, mut max_trace) = (None, false, 1);
@@ -297,11 +297,11 @@ impl Parser<'_> {
     }
 
     pub(super) fn parse_parametric(&mut self) -> PResult<Shape> {
-        let x = self.parse_uv_function()?;
+        let x = self.parse_function_item(2)?;
         self.comma()?;
-        let y = self.parse_uv_function()?;
+        let y = self.parse_function_item(2)?;
         self.comma()?;
-        let z = self.parse_uv_function()?;
+        let z = self.parse_function_item(2)?;
         self.comma()?;
         let functions = [x, y, z];
         let min = self.parse_vector2()?;

@@ -78,7 +78,11 @@ impl Parser<'_> {
                 let span = self.last_span;
                 self.include_file(&name, Some(span))
             }
-            Kw::Version => self.version_directive(),
+            Kw::Version => {
+                // The main file's first two tokens were the # and this word.
+                self.version_late |= !self.version_set && (self.frames.len() > 1 || self.frames[0].at > 2);
+                self.version_directive()
+            }
             Kw::Default => self.default_directive(),
             Kw::Debug => self.message(Stream::Debug),
             Kw::Render => self.message(Stream::Render),
@@ -470,7 +474,7 @@ impl Parser<'_> {
             if p.at_punct(Punct::Semicolon)? {
                 p.next()?;
             } else {
-                p.warn("#version should be ended by a semicolon.");
+                p.warn("Possible Parse Error: All #version and #declares of float, vector, and color require semi-colon ';' at end.");
             }
             Ok(value)
         })?;

@@ -250,7 +250,7 @@ impl Parser<'_> {
             self.next()?;
             f
         } else {
-            self.parse_function()?
+            self.parse_function_block(3)?
         };
         // Colours take most.
         self.charge((w * h) as usize * size_of::<Rgbft>())?;

@@ -149,6 +149,8 @@ pub struct Parser<'a> {
     /// Language version times 100.
     version: u32,
     version_set: bool,
+    /// Something stood before the first `#version`.
+    version_late: bool,
     gamma_set: bool,
     noise_set: bool,
     defaults: Defaults,
@@ -209,6 +211,7 @@ impl<'a> Parser<'a> {
             utf8: false,
             version: options.version.unwrap_or(370),
             version_set: options.version.is_some(),
+            version_late: false,
             gamma_set: false,
             noise_set: false,
             defaults: Defaults {

@@ -146,8 +146,14 @@ impl Parser<'_> {
                 self.comma()?;
                 Shape::Torus { major, minor: self.parse_float()? }
             }
-            Kw::Triangle => Shape::Triangle { vertices: self.three_vectors()?, normals: None },
-            Kw::SmoothTriangle => self.smooth_triangle()?,
+            Kw::Triangle => {
+                let shape = Shape::Triangle { vertices: self.three_vectors()?, normals: None };
+                self.check_triangle(shape)
+            }
+            Kw::SmoothTriangle => {
+                let shape = self.smooth_triangle()?;
+                self.check_triangle(shape)
+            }
             Kw::Polygon => self.parse_polygon()?,
             Kw::Mesh => self.parse_mesh()?,
             Kw::Mesh2 => self.parse_mesh2()?,
@@ -201,9 +207,22 @@ impl Parser<'_> {
         Ok(Shape::Triangle { vertices, normals: Some(normals) })
     }
 
+    /// Says so when a triangle has no area, or normals on both of its sides: it is not shown.
+    fn check_triangle(&mut self, shape: Shape) -> Shape {
+        if let Shape::Triangle { vertices: [a, b, c], normals } = &shape {
+            let n = (*b - *a).cross(*c - *a);
+            let one_sided = normals.is_none_or(|ns| ns.iter().all(|k| k.dot(n) > 0.0) || ns.iter().all(|k| k.dot(n) < 0.0));
+            if n == DVec3::ZERO || !one_sided {
+                self.warn("Degenerate triangle. Please remove.");
+            }
+        }
+        shape
+    }
+
     /// Everything after an object's geometry.
     pub(super) fn object_modifiers(&mut self, o: &mut Object) -> PResult<()> {
         let mut covered = false;
+        let mut linked = false;
         loop {
             if let Some(t) = self.parse_transform()? {
                 o.apply_transform(&t);
@@ -236,11 +255,11 @@ impl Parser<'_> {
                 }
                 Kw::ClippedBy => {
                     self.next()?;
-                    self.clip_or_bound(o, true)?;
+                    self.clip_or_bound(o, true, &mut linked)?;
                 }
                 Kw::BoundedBy => {
                     self.next()?;
-                    self.clip_or_bound(o, false)?;
+                    self.clip_or_bound(o, false, &mut linked)?;
                 }
                 Kw::Photons => {
                     self.next()?;
@@ -343,6 +362,9 @@ impl Parser<'_> {
             }
             Kw::SplitUnion => {
                 self.next()?;
+                if !is_union(&o.shape) {
+                    return Err(self.error("split_union found in non-union object."));
+                }
                 o.flags.split_union = Some(self.parse_float()? > 0.0);
             }
             Kw::NoImage | Kw::NoReflection | Kw::NoRadiosity | Kw::Hollow | Kw::DoubleIlluminate | Kw::Sturm | Kw::Hierarchy => {
@@ -406,10 +428,16 @@ impl Parser<'_> {
         o.interior = Some(Arc::new(interior));
     }
 
-    fn clip_or_bound(&mut self, o: &mut Object, clip: bool) -> PResult<()> {
+    /// `{ ... }` after `clipped_by` or `bounded_by`; `linked` is set once one of them is said to be the other, which ends both.
+    fn clip_or_bound(&mut self, o: &mut Object, clip: bool, linked: &mut bool) -> PResult<()> {
         let (word, other) = if clip { ("clipped_by", Kw::BoundedBy) } else { ("bounded_by", Kw::ClippedBy) };
+        if *linked {
+            let what = if clip { "clips" } else { "bounds" };
+            return Err(self.error(format!("Cannot add {what} after linking bounds and clips.")));
+        }
         self.block(word, |p| {
             if p.accept_kw(other)? {
+                *linked = true;
                 if clip {
                     o.clipped_by = o.bounded_by.clone();
                 } else {
@@ -467,6 +495,15 @@ impl Parser<'_> {
             }
             Ok(())
         })
+    }
+}
+
+/// A union, or the shared one of a declaration.
+fn is_union(shape: &Shape) -> bool {
+    match shape {
+        Shape::Csg { op, .. } => *op == Csg::Union,
+        Shape::Group { child } => is_union(&child.shape),
+        _ => false,
     }
 }
 

@@ -100,7 +100,7 @@ impl Parser<'_> {
             }
             Kw::Function => {
                 self.next()?;
-                PatternKind::Function(self.parse_function()?)
+                PatternKind::Function(self.parse_function_block(3)?)
             }
             Kw::Gradient => {
                 self.next()?;
@@ -188,6 +188,9 @@ impl Parser<'_> {
     fn slope(&mut self) -> PResult<PatternKind> {
         if !self.at_punct(Punct::LBrace)? {
             let direction = self.parse_vector3()?;
+            if direction == DVec3::ZERO {
+                return Err(self.error("Zero length for both slope and gradient."));
+            }
             return Ok(PatternKind::Slope { direction, point_at: false, low: 0.0, high: 0.0, altitude: None });
         }
         self.block("slope", |p| {
@@ -201,6 +204,9 @@ impl Parser<'_> {
             } else {
                 None
             };
+            if direction == DVec3::ZERO && altitude.is_none_or(|(a, _, _)| a == DVec3::ZERO) {
+                return Err(p.error("Zero length for both slope and gradient."));
+            }
             Ok(PatternKind::Slope { direction, point_at, low, high, altitude })
         })
     }

@@ -184,6 +184,9 @@ impl Parser<'_> {
                         s.gather.0 = p.parse_int()?.clamp(0, 1 << 20) as u32;
                         p.comma()?;
                         s.gather.1 = p.parse_int()?.clamp(0, 1 << 20) as u32;
+                        if s.gather.0 > s.gather.1 {
+                            return Err(p.error("min_gather_count must be less than max_gather_count."));
+                        }
                     }
                     Kw::Jitter => s.jitter = p.parse_float()?,
                     Kw::Autostop => s.autostop = p.parse_float()?,
@@ -195,7 +198,11 @@ impl Parser<'_> {
                     Kw::AdcBailout => s.adc_bailout = p.parse_float()?,
                     Kw::MaxTraceLevel => s.max_trace_level = p.parse_int()?.clamp(1, 256) as u32,
                     Kw::Media => {
-                        s.media.0 = p.parse_int()?.clamp(0, 1 << 20) as u32;
+                        let n = p.parse_int()?;
+                        if n < 0 {
+                            return Err(p.error("max media steps must be non-negative."));
+                        }
+                        s.media.0 = n.min(1 << 20) as u32;
                         p.comma()?;
                         if p.number_follows()? {
                             s.media.1 = p.parse_float()?;

@@ -112,6 +112,9 @@ impl Parser<'_> {
                 // Old scenes leave the # out.
                 self.next()?;
                 self.warn(format!("Should have '#' before '{}'.", k.text()));
+                if k == Kw::Declare {
+                    self.warn("Possible Parse Error: 'declare' should be changed to '#declare'.");
+                }
                 match k {
                     Kw::Declare => self.declare(false),
                     Kw::Default => self.default_directive(),
@@ -155,20 +158,39 @@ impl Parser<'_> {
     /// What the statements say together.
     pub(super) fn finish_scene(&mut self) -> PResult<Scene> {
         let mut scene = std::mem::take(&mut self.scene);
-        if scene.objects.is_empty() {
+        if scene.objects.is_empty() && scene.lights.is_empty() {
             self.warn("No objects in scene.");
         }
         if !self.camera_set {
             scene.camera = self.defaults.camera.clone();
         }
         if !self.version_set {
-            self.warn_once("no version", "This scene did not contain a #version directive: it is treated as one of version 3.62.");
+            self.warn_of_scene("This scene did not contain a #version directive: it is treated as one of version 3.62.");
+        } else if self.version_late {
+            self.warn_of_scene(
+                "This scene had other declarations preceding the first #version directive: what was declared before it \
+                 was read as version 3.7. Make #version the first declaration of the scene.",
+            );
+        }
+        if self.version_set && self.version < 350 {
+            self.warn_of_scene(format!(
+                "The scene ends as one of language version {}: POV-Ray's defects of that time are not all reproduced.",
+                f64::from(self.version) / 100.0
+            ));
         }
         scene.settings.version = if self.version_set { self.version } else { 362 };
         if !self.gamma_set {
-            let old = scene.settings.version < 370;
-            scene.settings.gamma =
-                if old { crate::scene::settings::WorkingGamma::None } else { crate::scene::settings::WorkingGamma::Linear };
+            use crate::scene::settings::WorkingGamma;
+            if scene.settings.version < 370 {
+                self.warn_of_scene("assumed_gamma not specified: gamma correction is off, as in POV-Ray before version 3.7.");
+                scene.settings.gamma = WorkingGamma::None;
+            } else {
+                self.warn_of_scene(
+                    "Possible Parse Error: assumed_gamma not specified in this scene of version 3.7: 1.0 is taken. \
+                     Say 'assumed_gamma 1.0' in global_settings.",
+                );
+                scene.settings.gamma = WorkingGamma::Linear;
+            }
         }
         if let Some(p) = &mut scene.settings.photons {
             if p.adc_bailout.is_nan() {

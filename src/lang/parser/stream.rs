@@ -377,6 +377,11 @@ impl Parser<'_> {
         self.sink.push(d);
     }
 
+    /// A warning about the scene as a whole, without a place.
+    pub(super) fn warn_of_scene(&mut self, message: impl Into<String>) {
+        self.sink.push(Diagnostic::new(Severity::Warning, None, message));
+    }
+
     /// A warning told once for `key`.
     pub(super) fn warn_once(&mut self, key: &str, message: impl Into<String>) {
         let mut d = Diagnostic::new(Severity::Warning, Some(self.last_span), message);

@@ -194,10 +194,11 @@ impl Parser<'_> {
                 let start = self.parse_int()?;
                 self.comma()?;
                 let length = self.parse_int()?;
-                if start < 1 || length < 0 || (start - 1).saturating_add(length) > s.len() as i64 {
+                if start < 0 || length < 0 || (start - 1).saturating_add(length) > s.len() as i64 {
                     return Err(self.error("Illegal parameters in substr."));
                 }
-                let lo = start as usize - 1;
+                // From place 0 nothing comes.
+                let Some(lo) = (start as usize).checked_sub(1) else { return Ok([].into()) };
                 Ok(s[lo..lo + length as usize].into())
             }
             Kw::Strupr | Kw::Strlwr => {

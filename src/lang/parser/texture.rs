@@ -127,10 +127,6 @@ impl Parser<'_> {
                     pigment.quick_color = Some(self.parse_color()?);
                 }
                 _ if self.pattern_modifier(&mut pigment.pattern)? => {}
-                // A colour after a plain pigment's name changes it.
-                _ if !untyped && matches!(pigment.kind, PigmentKind::Solid(_)) && self.color_follows()? => {
-                    pigment.kind = PigmentKind::Solid(self.parse_color()?);
-                }
                 _ => break,
             }
         }

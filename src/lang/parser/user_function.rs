@@ -25,36 +25,34 @@ const MAX_COST: u64 = 100_000_000;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Variable {
-    Word(Kw),
+    /// x, y or z; u and v are other words for x and y.
+    Coordinate(Kw),
     Name(Symbol),
 }
 
+impl Variable {
+    fn of(token: TokenKind) -> Option<Self> {
+        Some(match token {
+            TokenKind::Ident(s) => Self::Name(s),
+            TokenKind::Kw(Kw::X | Kw::U) => Self::Coordinate(Kw::X),
+            TokenKind::Kw(Kw::Y | Kw::V) => Self::Coordinate(Kw::Y),
+            TokenKind::Kw(Kw::Z) => Self::Coordinate(Kw::Z),
+            _ => return None,
+        })
+    }
+}
+
 impl Parser<'_> {
-    /// `function [(names)] { ... }` after the word, or a function's name.
+    /// `[(names)] { ... }` after `function` in a declaration.
     pub(super) fn parse_function(&mut self) -> PResult<Arc<Function>> {
-        self.parse_function_of(&[Kw::X, Kw::Y, Kw::Z])
-    }
-
-    /// A function of the surface parameters u and v.
-    pub(super) fn parse_uv_function(&mut self) -> PResult<Arc<Function>> {
-        if self.accept_kw(Kw::Function)? {
-            return self.parse_function_of(&[Kw::U, Kw::V]);
-        }
-        self.parse_function_item()
-    }
-
-    fn parse_function_of(&mut self, default_names: &[Kw]) -> PResult<Arc<Function>> {
         let mut names = Vec::new();
         let mut listed = false;
         if self.accept(Punct::LParen)? {
             listed = true;
             while !self.at_punct(Punct::RParen)? {
                 let t = self.closed_place(|p| p.next())?;
-                names.push(match t.kind {
-                    TokenKind::Ident(s) => Variable::Name(s),
-                    TokenKind::Kw(k @ (Kw::X | Kw::Y | Kw::Z | Kw::U | Kw::V)) => Variable::Word(k),
-                    _ => return Err(self.expected_instead("parameter identifier", t)),
-                });
+                let Some(name) = Variable::of(t.kind) else { return Err(self.expected_instead("parameter identifier", t)) };
+                names.push(name);
                 self.comma()?;
             }
             self.expect(Punct::RParen)?;
@@ -63,16 +61,26 @@ impl Parser<'_> {
             return Err(self.error("Function has too many parameters."));
         }
         if names.is_empty() {
-            names = default_names.iter().map(|&k| Variable::Word(k)).collect();
+            names = Self::coordinates(3);
         }
         self.block("function", |p| p.function_body(Names { names, n_nodes: 0, cost: 0 }, listed))
     }
 
-    /// `function {...}` or a function's name, where an object wants one.
-    pub(super) fn parse_function_item(&mut self) -> PResult<Arc<Function>> {
+    /// `{ ... }` after `function` anywhere else: of the first `n_params` of x, y and z.
+    pub(super) fn parse_function_block(&mut self, n_params: usize) -> PResult<Arc<Function>> {
+        let names = Self::coordinates(n_params);
+        self.block("function", |p| p.function_body(Names { names, n_nodes: 0, cost: 0 }, false))
+    }
+
+    fn coordinates(n: usize) -> Vec<Variable> {
+        [Kw::X, Kw::Y, Kw::Z][..n].iter().map(|&k| Variable::Coordinate(k)).collect()
+    }
+
+    /// `function {...}` of `n_params` coordinates or a function's name, where an object wants one.
+    pub(super) fn parse_function_item(&mut self, n_params: usize) -> PResult<Arc<Function>> {
         if self.accept_kw(Kw::Function)? {
             // `function { Name }` is the named function itself.
-            return self.parse_function();
+            return self.parse_function_block(n_params);
         }
         if let Some(Value::Function(f)) = self.peek_value()? {
             let f = f.clone();
@@ -89,10 +97,12 @@ impl Parser<'_> {
             Some(Kw::Internal) => {
                 self.next()?;
                 self.expect(Punct::LParen)?;
-                let n = self.parse_int()?;
+                let t = self.next()?;
+                let TokenKind::Float(n) = t.kind else { return Err(self.expected_instead("internal function identifier", t)) };
+                let n = n as u32;
                 self.expect(Punct::RParen)?;
-                let n = n.clamp(0, 10_000) as u32;
-                return make(internal_args(n).unwrap_or(n_params), FunctionBody::Internal(n));
+                let Some(n_args) = internal_args(n) else { return Err(self.error(format!("Function 'internal({n})' does not exist."))) };
+                return make(n_args, FunctionBody::Internal(n));
             }
             Some(Kw::Pigment) if !listed => {
                 self.next()?;
@@ -211,10 +221,6 @@ impl Parser<'_> {
                         self.note_reach(s);
                         self.fn_user_call(f, names)
                     }
-                    Some(Value::Spline(s)) => {
-                        let f = Arc::new(Function { name: String::new(), n_params: 1, body: FunctionBody::Spline(s.clone()), cost: 1 });
-                        self.fn_user_call(f, names)
-                    }
                     _ => {
                         let name = self.interner.text(s);
                         self.warn(format!("Possible Parse Error: Suspicious identifier '{name}' found in function!"));
@@ -223,8 +229,10 @@ impl Parser<'_> {
                 }
             }
             TokenKind::Kw(k) => {
-                if let Some(i) = names.names.iter().rposition(|&n| n == Variable::Word(k)) {
-                    return Ok(FnExpr::Var(i as u16));
+                if let Some(name) = Variable::of(t.kind) {
+                    // A coordinate that is no parameter is 0.
+                    let place = names.names.iter().rposition(|&n| n == name);
+                    return Ok(place.map_or(FnExpr::Const(0.0), |i| FnExpr::Var(i as u16)));
                 }
                 match k {
                     Kw::Pi => Ok(FnExpr::Const(std::f64::consts::PI)),
@@ -274,7 +282,12 @@ impl Parser<'_> {
         names.cost = names.cost.saturating_add(function.cost);
         self.check_cost(names)?;
         let mut member = 0;
-        if self.accept(Punct::Dot)? {
+        // What is no number needs a member, and numbers have none.
+        if !matches!(function.body, FunctionBody::Expr(_) | FunctionBody::Internal(_) | FunctionBody::Pattern(_)) {
+            let t = self.next()?;
+            if t.kind != TokenKind::Punct(Punct::Dot) {
+                return Err(self.expected_instead(".", t));
+            }
             let t = self.next()?;
             let index = if let TokenKind::Kw(k) = t.kind { super::expr::member_index(k) } else { None };
             let Some(i) = index else { return Err(self.expected_instead("color or vector component", t)) };
@@ -295,11 +308,7 @@ impl Parser<'_> {
     fn fn_series(&mut self, k: Kw, names: &mut Names) -> PResult<FnExpr> {
         self.expect(Punct::LParen)?;
         let t = self.closed_place(|p| p.next())?;
-        let variable = match t.kind {
-            TokenKind::Ident(s) => Variable::Name(s),
-            TokenKind::Kw(w @ (Kw::X | Kw::Y | Kw::Z | Kw::U | Kw::V)) => Variable::Word(w),
-            _ => return Err(self.expected_instead("local variable", t)),
-        };
+        let Some(variable) = Variable::of(t.kind) else { return Err(self.expected_instead("local variable", t)) };
         self.expect(Punct::Comma)?;
         let from = Box::new(self.fn_or(names)?);
         self.expect(Punct::Comma)?;
