@@ -6,7 +6,7 @@ mod default_maps;
 mod features;
 
 pub use builder::TextureBuilder;
-pub use features::{N_TILINGS, pattern_name, texture_features, unfinished};
+pub use features::{pattern_name, texture_features, unfinished};
 
 use super::function::{CallSite, FunctionNode, Instr};
 use crate::math::{DAffine3, DVec3, Rgbft, Transform};

@@ -5,6 +5,7 @@ pub mod cells;
 pub mod density;
 pub mod fractal;
 pub mod noisy;
+pub mod penrose;
 pub mod simple;
 pub mod tiling;
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures again what values.txt and surfaces.txt hold: asks the installed povray and rewrites the numbers below each entry.
+"""Measures again what values.txt, plane.txt and surfaces.txt hold: asks the installed povray and rewrites the numbers below each entry.
 
 Entries are lines `kind: source`; add one and run this. Needs povray and povray-includes (Debian) and netpbm (pngtopnm).
 """
@@ -53,6 +53,26 @@ def values(folder):
                 f.write("  " + " ".join(found[n]) + "\n")
 
 
+def plane(folder):
+    head, entries = read("plane.txt")
+    numbers = [l.strip() for l in open(os.path.join(HERE, "plane.txt")) if l.startswith("  ")]
+    points = [[p.split()[:2] for p in l.split("; ")] for l in numbers]
+    scene = ["#version 3.7;", "global_settings { assumed_gamma 1 }", "camera { location -z }"]
+    for n, (_, s) in enumerate(entries):
+        scene.append(f"#declare F{n} = function {{ pigment {{ {s} color_map {{ [0 rgb 0] [1 rgb 1] }} }} }}")
+        scene += [f'#debug concat("{n} ",str(F{n}({x},0,{z}).red,0,7),"\\n")' for x, z in points[n]]
+    povray(folder, "\n".join(scene) + "\n", "+W4", "+H4")
+    found = {}
+    for l in open(os.path.join(folder, "out.txt")):
+        w = l.split()
+        if w:
+            found.setdefault(int(w[0]), []).append(w[1])
+    with open(os.path.join(HERE, "plane.txt"), "w") as f:
+        f.write("\n".join(head) + "\n")
+        for n, (k, s) in enumerate(entries):
+            f.write(f"{k}: {s}\n  " + "; ".join(f"{x} {z} {v}" for (x, z), v in zip(points[n], found[n])) + "\n")
+
+
 def surfaces(folder):
     head, entries = read("surfaces.txt")
     pixels = [tuple(map(int, s.split())) for k, s in entries if k == "pixel"]
@@ -76,4 +96,5 @@ with tempfile.TemporaryDirectory() as folder:
         if not name.endswith((".txt", ".py")):
             shutil.copy(os.path.join(HERE, name), folder)
     values(folder)
+    plane(folder)
     surfaces(folder)

@@ -6,6 +6,7 @@ use super::texture_layout::{PATTERN, PATTERN_KINDS, WARP_KINDS, WARP_LEN, WAVE_K
 use crate::backend::BackendError;
 use crate::compile::NONE;
 use crate::compile::texture::{PatternCode, PatternIx, PatternNode, WarpNode, pattern_name, unfinished};
+use crate::kernel::pattern::penrose::{Rule, penrose_plan};
 use crate::kernel::pattern::tiling::tiling_plan;
 use crate::math::DVec3;
 use crate::scene::pattern::Wave;
@@ -127,7 +128,7 @@ impl TextureEncoder<'_> {
                 [&three(s.direction)[..], &own, &three(axis), &[bits(low), bits(high), bits(share)]].concat()
             }
             PatternCode::Spiral1 { arms } | PatternCode::Spiral2 { arms } => vec![bits(arms)],
-            PatternCode::Tiling(n) => tiling_words(n),
+            PatternCode::Tiling(n) => penrose_words(n).unwrap_or_else(|| tiling_words(n)),
             _ => Vec::new(),
         };
         Ok((words, 0))
@@ -190,8 +191,27 @@ fn warp_words(w: &WarpNode) -> (&'static str, Vec<u32>) {
     }
 }
 
+fn penrose_words(n: u8) -> Option<Vec<u32>> {
+    let t = penrose_plan(n)?;
+    let mut words = vec![bits(t.kinds), u32::from(t.rule == Rule::Kites), bits(t.side)];
+    words.push(u32::from(t.start.0));
+    words.extend(t.start.1.into_iter().flatten().map(bits));
+    let lists = t.tiles.each_ref().map(|tiles| {
+        let mut list = vec![tiles.len() as u32];
+        for (kind, sides) in tiles {
+            list.extend([bits(*kind), sides.len() as u32]);
+            list.extend(sides.iter().flat_map(|s| [s.line, s.guards[0], s.guards[1]]).flatten().map(bits));
+        }
+        list
+    });
+    let first = words.len() + 2;
+    words.extend([first as u32, (first + lists[0].len()) as u32]);
+    words.extend(lists.concat());
+    Some(words)
+}
+
 fn tiling_words(n: u8) -> Vec<u32> {
-    let t = tiling_plan(n).expect("tilings without a plan are plain");
+    let t = tiling_plan(n).expect("a tiling by lattice");
     let [u, v] = t.lattice;
     // Enough for a single float to lie above the part's start.
     let least = if t.floor > 0.0 { t.floor.max(3e-7) } else { 0.0 };

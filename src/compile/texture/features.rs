@@ -3,6 +3,7 @@
 use super::{NormalCode, PatternCode, PigmentCode, TextureNode, TextureTables, WarpNode};
 use crate::compile::FeatureSet;
 use crate::compile::function::FunctionNode;
+use crate::kernel::pattern::tiling::N_TILINGS;
 
 /// Adds what `t` needs to `f`.
 pub fn texture_features(t: &TextureTables, f: &mut FeatureSet) {
@@ -26,13 +27,9 @@ pub fn texture_features(t: &TextureTables, f: &mut FeatureSet) {
     debug_assert!(t.normals.iter().all(|n| !matches!(n.code, NormalCode::Map(r) if r.len == 0)), "normal maps have entries");
 }
 
-/// Tilings that the kernel knows: 1 up to this.
-pub const N_TILINGS: u8 = 24;
-
 /// The name of a pattern that the kernel does not evaluate yet.
 pub fn unfinished(code: &PatternCode) -> Option<&'static str> {
     match code {
-        PatternCode::Tiling(n) if *n > N_TILINGS => Some("tiling 25 to 27"),
         PatternCode::Pavement { .. } => Some("pavement"),
         _ => None,
     }
@@ -77,6 +74,7 @@ pub fn pattern_name(code: &PatternCode) -> &'static str {
         PatternCode::Spiral1 { .. } => "spiral1",
         PatternCode::Spiral2 { .. } => "spiral2",
         PatternCode::Square => "square",
+        PatternCode::Tiling(n) if *n > N_TILINGS => "penrose",
         PatternCode::Tiling(_) => "tiling",
         PatternCode::Triangular => "triangular",
         PatternCode::Waves => "waves",

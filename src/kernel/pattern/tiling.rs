@@ -2,9 +2,9 @@
 //! pictures of every tiling (500 x 500 pixels of 10 x 10 units).
 //!
 //! A tile's kind picks its part of 0..1; inside, the value is highest at the sides and falls to the part's start at the inner radius of
-//! the smallest tile. Tilings 25 to 27 (Penrose) and pavements are not done: their value is 0.
+//! the smallest tile. Tilings 25 to 27 are Penrose's (`penrose.rs`); pavements are not done: their value is 0.
 
-use crate::compile::texture::N_TILINGS;
+use super::penrose::{penrose, penrose_plan};
 use crate::math::{DVec3, EPSILON};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 use std::sync::LazyLock;
@@ -17,7 +17,7 @@ const T: f64 = 0.288_675_134_594_812_9;
 /// x and z.
 pub type Point = [f64; 2];
 /// A kind and its polygon.
-type Tile = (u8, Vec<Point>);
+pub(super) type Tile = (u8, Vec<Point>);
 
 /// A tiling: kinds, falloff distance, the lattice that repeats it, and its tiles.
 struct Plan {
@@ -56,16 +56,19 @@ fn floor_of(n: u8) -> f64 {
     }
 }
 
+/// Tilings that a lattice repeats: 1 up to this.
+pub const N_TILINGS: u8 = 24;
+
 static TILINGS: LazyLock<Vec<Tiling>> = LazyLock::new(|| (1..=N_TILINGS).map(|n| Tiling::new(n, plan(n))).collect());
 
-/// A tiling by its number; `None` for those that are not done.
+/// A tiling by its number; `None` for those that no lattice repeats.
 pub fn tiling_plan(n: u8) -> Option<&'static Tiling> {
     TILINGS.get(usize::from(n).wrapping_sub(1))
 }
 
 /// The value of tiling 1..=27, 0..=1.
 pub fn tiling(p: DVec3, n: u8) -> f64 {
-    let Some(t) = tiling_plan(n) else { return 0.0 };
+    let Some(t) = tiling_plan(n) else { return penrose_plan(n).map_or(0.0, |t| penrose([p.x, p.z], t)) };
     let [u, v] = t.lattice;
     let det = u[0] * v[1] - u[1] * v[0];
     let (a, b) = (((p.x * v[1] - p.z * v[0]) / det).floor(), ((u[0] * p.z - u[1] * p.x) / det).floor());
@@ -120,7 +123,7 @@ impl Tiling {
 }
 
 /// `flat`: the upright sides and the lowest of tiling 22's dodecagons fall off more slowly (measured: by half the square root of 3).
-fn sides(polygon: &[Point], falloff: f64, flat: bool) -> Sides {
+pub(super) fn sides(polygon: &[Point], falloff: f64, flat: bool) -> Sides {
     let n = polygon.len();
     let area: f64 = (0..n).map(|i| polygon[i][0] * polygon[(i + 1) % n][1] - polygon[(i + 1) % n][0] * polygon[i][1]).sum();
     (0..n)

@@ -181,7 +181,13 @@ impl Parser<'_> {
         scene.settings.version = if self.version_set { self.version } else { 362 };
         if !self.gamma_set {
             use crate::scene::settings::WorkingGamma;
-            if scene.settings.version < 370 {
+            if scene.settings.version < 370 && self.options.version.is_some_and(|v| v >= 370) {
+                self.warn_of_scene(
+                    "Version 3.7 was asked for outside the scene, which says itself that it is older, and assumed_gamma is not specified: \
+                     1.0 is taken.",
+                );
+                scene.settings.gamma = WorkingGamma::Linear;
+            } else if scene.settings.version < 370 {
                 self.warn_of_scene("assumed_gamma not specified: gamma correction is off, as in POV-Ray before version 3.7.");
                 scene.settings.gamma = WorkingGamma::None;
             } else {
