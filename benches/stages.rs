@@ -34,7 +34,7 @@ fn read(text: &str) -> Scene {
 }
 
 fn compiled(scene: &Scene) -> CompiledScene {
-    compile_scene(scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene")
+    compile_scene(scene, &CompileOptions::default()).expect("a small scene")
 }
 
 /// Hills of 28,800 triangles.

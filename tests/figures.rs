@@ -36,7 +36,7 @@ fn rays(mesh: &Arc<Mesh>, side: u32) -> RaySets {
     let bounds = MeshShape::new(mesh.clone(), Vec::new(), AccelKind::Bvh).expect("faces").bounds;
     scene.camera.location = bounds.center() + DVec3::new(-0.7, 0.5, -0.8) * bounds.size().length();
     scene.camera.direction = (bounds.center() - scene.camera.location).normalize();
-    let compiled = compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
+    let compiled = compile_scene(&scene, &CompileOptions::default()).expect("a small scene");
     RaySets::new(&compiled, side, side, false)
 }
 
@@ -147,7 +147,7 @@ const LIT: &str = "camera { location <0, 1, -6> look_at 0 }\n\
 fn sixteen_samples_are_no_noisier() {
     let (mut map, mut sink) = (SourceMap::default(), Sink::default());
     let parsed = parse_scene("s", LIT.as_bytes(), &DiskWorld::default(), &KernelQuery::new(), &LangOptions::default(), &mut map, &mut sink);
-    let scene = compile_scene(&parsed.scene.expect("no faults"), &CompileOptions::default(), &mut sink).expect("compiles");
+    let scene = compile_scene(&parsed.scene.expect("no faults"), &CompileOptions::default()).expect("compiles");
     let picture = |samples: u32, seed: u32| {
         let settings =
             RenderSettings { integrator: IntegratorKind::Path, samples: 0..samples, seed, threads: 2, ..RenderSettings::plain(48, 36) };

@@ -206,6 +206,31 @@ fn patterns_pigments_functions_and_splines_are_povrays() {
 }
 
 #[test]
+fn patterns_of_the_plane_are_povrays() {
+    let text = std::fs::read_to_string(folder().join("plane.txt")).expect("plane.txt");
+    let list = entries(&text);
+    let mut scene = String::from("#version 3.7;\nglobal_settings { assumed_gamma 1 }\ncamera { location -z }\n");
+    let mut expected = Vec::new();
+    for (n, (_, source, numbers)) in list.iter().enumerate() {
+        scene += &format!("#declare F{n} = function {{ pigment {{ {source} color_map {{ [0 rgb 0] [1 rgb 1] }} }} }}\n");
+        for point in numbers.chunks(3) {
+            let [x, z, value] = point else { panic!("x, z and value") };
+            scene += &format!("#debug concat(str(F{n}({x}, 0, {z}).red, 0, 7), \"\\n\")\n");
+            expected.push((*source, format!("({x}, {z})"), value.parse::<f64>().expect("POV-Ray's number")));
+        }
+    }
+    let printed: String = parse(&scene, 4, 4).output.iter().filter(|o| o.0 == Stream::Debug).map(|o| o.1.as_str()).collect();
+    assert_eq!(printed.lines().count(), expected.len());
+    let ours = printed.lines().map(|l| l.trim().parse::<f64>().expect("our number"));
+    let wrong: Vec<String> = ours
+        .zip(&expected)
+        .filter(|(ours, (_, _, povrays))| !near(*ours, *povrays, 1e-6))
+        .map(|(ours, (source, at, povrays))| format!("{source} at {at}: {ours}, POV-Ray: {povrays}"))
+        .collect();
+    assert!(wrong.is_empty(), "{} values differ:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
 fn normals_and_textures_are_povrays() {
     const SIZE: [u32; 2] = [40, 30];
     let text = std::fs::read_to_string(folder().join("surfaces.txt")).expect("surfaces.txt");
@@ -218,7 +243,7 @@ fn normals_and_textures_are_povrays() {
             if *kind == "normal" { format!("pigment {{ rgb 1 }} normal {{ {source} }} finish {{ F }}") } else { (*source).to_string() };
         let parsed = parse(&format!("#include \"scene.inc\"\n#macro Cover() {cover} #end\nSubjects()\n"), SIZE[0], SIZE[1]);
         let scene = parsed.scene.expect("a scene");
-        let compiled = compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene compiles");
+        let compiled = compile_scene(&scene, &CompileOptions::default()).expect("a small scene compiles");
         for (k, (x, y)) in pixels.iter().enumerate() {
             let settings = RenderSettings { crop: [*x, *y, x + 1, y + 1], ..RenderSettings::plain(SIZE[0], SIZE[1]) };
             let mut film = Film::new(SIZE[0], SIZE[1]);

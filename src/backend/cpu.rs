@@ -184,7 +184,6 @@ fn rows_of([x0, y0, x1, y1]: Block, go_on: &dyn Fn() -> bool, out: &mut [Sample]
 mod tests {
     use super::*;
     use crate::compile::{CompileOptions, compile_scene};
-    use crate::diag::Sink;
     use crate::math::{DVec3, Rgbft, Transform, Vec3};
     use crate::savings::Savings;
     use crate::scene::light::AreaLight;
@@ -213,7 +212,7 @@ mod tests {
     }
 
     fn render_with(scene: &Scene, settings: &RenderSettings, options: &CompileOptions) -> Film {
-        let compiled = compile_scene(scene, options, &mut Sink::default()).expect("a small scene");
+        let compiled = compile_scene(scene, options).expect("a small scene");
         let mut film = Film::new(settings.width, settings.height);
         CpuBackend::new(settings.threads).render(&compiled, settings, &mut film, &(), &AtomicBool::new(false)).expect("renders");
         film
@@ -317,7 +316,7 @@ mod tests {
 
     #[test]
     fn cancelled_before_the_start_nothing_is_rendered() {
-        let compiled = compile_scene(&lit_plane(), &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
+        let compiled = compile_scene(&lit_plane(), &CompileOptions::default()).expect("a small scene");
         let mut film = Film::new(40, 36);
         CpuBackend::new(2).render(&compiled, &settings(2), &mut film, &(), &AtomicBool::new(true)).expect("renders");
         assert!(film.samples.iter().all(|n| *n == 0));

@@ -5,7 +5,6 @@ use super::rays::{RaySets, TestRay};
 use crate::accel::{AccelKind, AccelStats, STRUCTURES};
 use crate::compile::geometry::{GeometrySize, PrimKind, prim_flags};
 use crate::compile::{CompileError, CompileOptions, CompiledScene, compile_scene};
-use crate::diag::Sink;
 use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE, ShadowHit, intersect, intersect_shadow};
 use crate::math::Ray;
 use crate::scene::{Mesh, Object, Scene, Shape};
@@ -120,7 +119,7 @@ fn joined_size(scene: &Scene) -> GeometrySize {
 }
 
 fn compiled(scene: &Scene, accel: AccelKind) -> Result<CompiledScene, CompileError> {
-    compile_scene(scene, &CompileOptions { accel, ..CompileOptions::default() }, &mut Sink::default())
+    compile_scene(scene, &CompileOptions { accel, ..CompileOptions::default() })
 }
 
 fn merged(scene: &CompiledScene) -> Option<Scene> {

@@ -5,7 +5,6 @@ use crate::backend::Backend;
 use crate::compare::{CompareOptions, Flip, Picture, Space, compare};
 use crate::compile::{CompileOptions, compile_scene};
 use crate::cpu_time::process_seconds;
-use crate::diag::Sink;
 use crate::film::Film;
 use crate::integrate::{Antialias, IntegratorKind, RenderSettings};
 use crate::lang::options::PovOptions;
@@ -116,7 +115,7 @@ impl Renderer for Ours<'_> {
         };
         let mut film = Film::new(width, height);
         let (start, before) = (Instant::now(), process_seconds());
-        let scene = compile_scene(self.scene, &CompileOptions::default(), &mut Sink::default()).map_err(|e| e.to_string())?;
+        let scene = compile_scene(self.scene, &CompileOptions::default()).map_err(|e| e.to_string())?;
         self.backend.render(&scene, &settings, &mut film, &(), &AtomicBool::new(false)).map_err(|e| e.to_string())?;
         let (wall, cpu) = (start.elapsed().as_secs_f64(), process_seconds() - before);
         let depth = "32-bit float".into();

@@ -26,7 +26,7 @@ pub fn compiled(job: &Job, listener: &dyn Listener) -> Result<(CompiledScene, Un
     let loaded = crate::job::load_job(job, &mut map, &mut sink, listener);
     sink.drain().iter().for_each(|d| listener.diagnostic(d, &map));
     let scene = loaded?;
-    Ok((compile_scene(&scene, &job.compile, &mut sink)?, scene.unread))
+    Ok((compile_scene(&scene, &job.compile)?, scene.unread))
 }
 
 /// The one in the middle; NaN for none.

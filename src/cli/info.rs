@@ -75,7 +75,7 @@ fn scene(args: &InfoArgs) -> Result<(), JobError> {
         return Ok(());
     }
     let animations = loaded.as_ref().map_or_else(|_| Vec::new(), |s| s.animations.clone());
-    let compiled = loaded.and_then(|s| Ok((rayloom::compile::compile_scene(&s, &CompileOptions::default(), &mut sink)?, s.unread)));
+    let compiled = loaded.and_then(|s| Ok((rayloom::compile::compile_scene(&s, &CompileOptions::default())?, s.unread)));
     for d in sink.drain().iter().filter(|d| !args.json || d.severity == Severity::Error) {
         eprint!("{}", render(d, &map, style()));
     }

@@ -19,7 +19,6 @@ pub mod texture;
 mod validate;
 
 use crate::accel::AccelKind;
-use crate::diag::Sink;
 use crate::math::{DVec3, Rgb, Rgbft, Transform};
 use crate::memory::{MemoryLimit, OutOfMemory};
 use crate::savings::{Saving, Savings};
@@ -272,8 +271,8 @@ pub fn compile_pigment(
     Ok((finish(flattener, &scene, &CompileOptions::default())?, ix))
 }
 
-/// Compiles a scene. What cannot be rendered yet is left out with a note in `sink`, once a kind.
-pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -> Result<CompiledScene, CompileError> {
+/// Compiles a scene.
+pub fn compile_scene(scene: &Scene, options: &CompileOptions) -> Result<CompiledScene, CompileError> {
     let mut flattener = Flattener::new(TextureBuilder::new(&scene.settings), flatten::n_top_level(scene), options);
     for light in &scene.lights {
         flattener.add_light(light)?;
@@ -290,12 +289,6 @@ pub fn compile_scene(scene: &Scene, options: &CompileOptions, sink: &mut Sink) -
     }
     if !options.savings.has(Saving::Bailout) {
         compiled.settings.adc_bailout = 0.0;
-    }
-    // Each has its line in UNSUPPORTED.md.
-    for p in &compiled.textures.patterns {
-        if let Some(name) = texture::unfinished(&p.code) {
-            sink.note_once(name, None, format!("the pattern '{name}' is not done; it is 0 everywhere"));
-        }
     }
     Ok(compiled)
 }

@@ -4,9 +4,11 @@
 mod builder;
 mod default_maps;
 mod features;
+mod layouts;
 
 pub use builder::TextureBuilder;
-pub use features::{pattern_name, texture_features, unfinished};
+pub use features::{N_TILINGS, pattern_name, texture_features};
+pub use layouts::{Layout, Pavement, layout_of};
 
 use super::function::{CallSite, FunctionNode, Instr};
 use crate::math::{DAffine3, DVec3, Rgbft, Transform};
@@ -243,14 +245,7 @@ pub enum PatternCode {
     /// Into [`TextureTables::pattern_objects`].
     Object(u32),
     Onion,
-    Pavement {
-        sides: u8,
-        tiles: u8,
-        pattern: u8,
-        interior: u8,
-        exterior: u8,
-        form: u8,
-    },
+    Pavement(Pavement),
     Pigment(PigmentIx),
     Planar,
     Quilted {

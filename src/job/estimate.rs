@@ -66,12 +66,11 @@ fn cpu_seconds(settings: &RenderSettings, scene: &CompiledScene, film: &Film, ca
 mod tests {
     use super::*;
     use crate::compile::{CompileOptions, compile_scene};
-    use crate::diag::Sink;
     use crate::scene::Scene;
 
     #[test]
     fn what_is_there_already_costs_nothing() {
-        let scene = compile_scene(&Scene::default(), &CompileOptions::default(), &mut Sink::default()).expect("nothing to go wrong");
+        let scene = compile_scene(&Scene::default(), &CompileOptions::default()).expect("nothing to go wrong");
         let (settings, cancel) = (RenderSettings::plain(320, 240), AtomicBool::new(false));
         let mut film = Film::new(320, 240);
         assert!(cpu_seconds(&settings, &scene, &film, &cancel) > 0.0);

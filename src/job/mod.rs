@@ -226,7 +226,7 @@ pub fn run(job: &Job, listener: &dyn Listener, cancel: &AtomicBool) -> Result<Ou
     lap(&mut outcome, 0);
 
     listener.stage(&Stage::Compiling);
-    let compiled = crate::compile::compile_scene(&scene, &job.compile, &mut sink);
+    let compiled = crate::compile::compile_scene(&scene, &job.compile);
     tell(&mut sink, &map, listener);
     let compiled = compiled?;
     let mut job = settle::settled(job, &scene, &mut sink);

@@ -7,7 +7,6 @@ use super::traverse::{
 };
 use crate::accel::AccelKind;
 use crate::compile::{CompileOptions, CompiledScene, compile_scene};
-use crate::diag::Sink;
 use crate::math::{DVec3, Ray, Rgbft, Transform};
 use crate::scene::{Csg, Mesh, Object, Scene, Shape, Texture};
 use glam::Vec3Swizzles as _;
@@ -15,7 +14,7 @@ use std::sync::Arc;
 
 pub(super) fn compiled(objects: Vec<Object>) -> CompiledScene {
     let scene = Scene { objects, ..Scene::default() };
-    compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("a scene that compiles")
+    compile_scene(&scene, &CompileOptions::default()).expect("a scene that compiles")
 }
 
 pub(super) fn sphere(center: DVec3, radius: f64) -> Object {
@@ -208,7 +207,7 @@ fn the_rest_of_a_shadow_ray_meets_what_a_walk_of_its_own_would() {
     let (mut n_pieces, mut n_full) = (0, 0);
     for accel in [AccelKind::Auto, AccelKind::Kd] {
         let options = CompileOptions { accel, ..CompileOptions::default() };
-        let scene = compile_scene(&scene, &options, &mut Sink::default()).expect("a scene that compiles");
+        let scene = compile_scene(&scene, &options).expect("a scene that compiles");
         for d in scattered(1500) {
             let mut ray = Ray::new(d * 9.0, (d.yzx() * 2.0 - d * 9.0).normalize());
             let (mut left, mut noted) = (20.0, ClearPrims::default());
@@ -301,7 +300,7 @@ fn trees_find_what_testing_everything_finds() {
     let scene = Scene { objects, ..Scene::default() };
     let with = |accel| {
         let options = CompileOptions { accel, ..CompileOptions::default() };
-        compile_scene(&scene, &options, &mut Sink::default()).expect("a scene that compiles")
+        compile_scene(&scene, &options).expect("a scene that compiles")
     };
     let brute = with(AccelKind::Brute);
     for kind in [AccelKind::Kd, AccelKind::Bvh] {

@@ -156,7 +156,6 @@ pub fn intersect_merged_shadow(scene: &CompiledScene, merged: &MergedMeshes, ray
 mod tests {
     use super::*;
     use crate::compile::{CompileOptions, compile_scene};
-    use crate::diag::Sink;
     use crate::kernel::traverse::{intersect_at, intersect_object_at, intersect_shadow_at};
     use crate::math::sobol::Pcg;
     use crate::math::{DVec3, Transform, Vec3};
@@ -197,7 +196,7 @@ mod tests {
             objects.push(object);
         }
         let scene = Scene { objects, ..Scene::default() };
-        compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("a scene that compiles")
+        compile_scene(&scene, &CompileOptions::default()).expect("a scene that compiles")
     }
 
     #[test]
@@ -259,7 +258,7 @@ mod tests {
         let mesh = ball(&mut rng);
         let object = |at| Object { transform: place(at), ..Object::new(Shape::Mesh(mesh.clone())) };
         let scene = Scene { objects: vec![object(far), object(-far)], ..Scene::default() };
-        let scene = compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("a scene that compiles");
+        let scene = compile_scene(&scene, &CompileOptions::default()).expect("a scene that compiles");
         let Some(merged) = MergedMeshes::new(&scene) else { return };
         let corners: Vec<DVec3> = mesh.vertices.iter().map(|v| place(far).point(v.as_dvec3()).as_vec3().as_dvec3()).collect();
         for k in 0..20_000usize {

@@ -5,6 +5,7 @@ pub mod cells;
 pub mod density;
 pub mod fractal;
 pub mod noisy;
+pub mod pavement;
 pub mod penrose;
 pub mod simple;
 pub mod tiling;
@@ -134,9 +135,7 @@ fn raw_value(scene: &CompiledScene, node: &PatternNode, p: DVec3, at: &PatternPo
             f64::from(u8::from(object != crate::compile::NONE && inside_object(scene, object, p)))
         }
         PatternCode::Onion => fraction(p.length()),
-        PatternCode::Pavement { sides, tiles, pattern, interior, exterior, form } => {
-            tiling::pavement(p, sides, tiles, pattern, interior, exterior, form)
-        }
+        PatternCode::Pavement(ref pavement) => pavement::pavement(p.x, p.z, pavement),
         PatternCode::Pigment(ix) => {
             let inner = PatternPoint { point: p, ..*at };
             eval_pigment(scene, ix, &inner).map_or(0.0, |c| f64::from(grey(c.rgb)))

@@ -5,7 +5,6 @@ use rayloom::accel::AccelKind;
 use rayloom::bench::stability::meshes::Triangles;
 use rayloom::bench::stability::ray_source::RaySource;
 use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
-use rayloom::diag::Sink;
 use rayloom::kernel::traverse::{MIN_DEPTH, ShadowHit, intersect, intersect_shadow};
 use rayloom::math::random::SplitMix64;
 use rayloom::math::{Bounds, DVec3, Transform};
@@ -49,7 +48,7 @@ fn objects() -> Vec<Object> {
 
 fn compiled(accel: AccelKind) -> CompiledScene {
     let scene = Scene { objects: objects(), ..Scene::default() };
-    compile_scene(&scene, &CompileOptions { accel, ..CompileOptions::default() }, &mut Sink::default()).expect("a scene that compiles")
+    compile_scene(&scene, &CompileOptions { accel, ..CompileOptions::default() }).expect("a scene that compiles")
 }
 
 #[test]

@@ -202,7 +202,7 @@ fn scene(bytes: &[u8], world: FuzzWorld) -> Answer {
     let options = LangOptions { width: 4, height: 3, max_steps: 20_000, max_objects: 2000, memory: memory(), ..LangOptions::default() };
     let parsed = parse_scene("fuzz.pov", bytes, &world, &KernelQuery::new(), &options, &mut map, &mut sink);
     assert!(parsed.scene.is_some() != sink.has_errors(), "either a scene or an error");
-    let drawn = parsed.scene.map(|s| draw(&s, &mut sink));
+    let drawn = parsed.scene.map(|s| draw(&s));
     Answer { digest: digest(&sink, &map, drawn), whole: drawn.flatten().is_some_and(|(_, whole)| whole) }
 }
 
@@ -212,8 +212,8 @@ fn memory() -> MemoryLimit {
 }
 
 /// Compiles and renders 4 by 3 pixels; whether it compiled and how much of it came.
-fn draw(scene: &Scene, sink: &mut Sink) -> Option<(usize, bool)> {
-    let compiled = compile_scene(scene, &CompileOptions { memory: memory(), ..CompileOptions::default() }, sink).ok()?;
+fn draw(scene: &Scene) -> Option<(usize, bool)> {
+    let compiled = compile_scene(scene, &CompileOptions { memory: memory(), ..CompileOptions::default() }).ok()?;
     let settings = RenderSettings { block_size: 1, ..RenderSettings::plain(4, 3) };
     let mut film = Film::new(4, 3);
     let cancel = AtomicBool::new(false);
@@ -261,7 +261,7 @@ fn model(bytes: &[u8], split: Option<&[u8]>) -> Answer {
     let end = split.and_then(|m| bytes.windows(m.len()).position(|w| w == m)).unwrap_or(bytes.len());
     std::fs::write(&path, &bytes[..end]).expect("a file in the temporary folder");
     let (error, drawn) = match rayloom::import::load(&path, &ImportOptions::default(), &mut sink) {
-        Ok(scene) => (String::new(), draw(&scene, &mut sink)),
+        Ok(scene) => (String::new(), draw(&scene)),
         Err(e) => (e.to_string().chars().filter(|c| !c.is_ascii_digit()).take(80).collect(), None),
     };
     Answer { digest: digest(&sink, &SourceMap::default(), (error, drawn)), whole: drawn.is_some_and(|(_, whole)| whole) }

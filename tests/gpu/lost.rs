@@ -4,7 +4,6 @@ use crate::found;
 use rayloom::backend::gpu::{GpuBackend, GpuOptions};
 use rayloom::backend::{Backend, BackendError, Progress};
 use rayloom::compile::{CompileOptions, compile_scene};
-use rayloom::diag::Sink;
 use rayloom::film::Film;
 use rayloom::integrate::RenderSettings;
 use rayloom::math::{DVec3, Vec3};
@@ -27,7 +26,7 @@ fn a_lost_device_is_an_error_and_keeps_what_was_rendered() {
     let Some(gpu) = found(GpuBackend::new(&GpuOptions { accept_software: true, ..GpuOptions::default() })) else { return };
     let mut scene = Scene { objects: vec![Object::new(Shape::Sphere { center: DVec3::Z * 3.0, radius: 1.0 })], ..Scene::default() };
     scene.lights.push(Light::point(DVec3::new(3.0, 4.0, -3.0), Vec3::ONE));
-    let compiled = compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("compiles");
+    let compiled = compile_scene(&scene, &CompileOptions::default()).expect("compiles");
     // More pixels than are traced at once.
     let settings = RenderSettings { antialias: None, ..RenderSettings::plain(1024, 1024) };
     let mut film = Film::new(1024, 1024);

@@ -96,7 +96,7 @@ pub(crate) fn scene_of(closures: Vec<Closure>, lights: Vec<Light>, sky: f32) -> 
 
 /// Both machines have the faces in the same places: the CPU's one tree over still meshes, which only the usual tree has, rounds corners in the world.
 fn compiled(scene: &Scene) -> CompiledScene {
-    compile_scene(scene, &CompileOptions { accel: AccelKind::Bvh, ..CompileOptions::default() }, &mut Sink::default()).expect("compiles")
+    compile_scene(scene, &CompileOptions { accel: AccelKind::Bvh, ..CompileOptions::default() }).expect("compiles")
 }
 
 fn render(backend: &dyn Backend, scene: &CompiledScene, samples: std::ops::Range<u32>) -> Result<Film, BackendError> {

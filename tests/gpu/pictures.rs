@@ -37,7 +37,7 @@ fn compile(name: &str, text: &str) -> CompiledScene {
     let options = LangOptions { width: SIZE[0], height: SIZE[1], ..LangOptions::default() };
     let parsed = parse_scene(&format!("{name}.pov"), text.as_bytes(), &world, &KernelQuery::new(), &options, &mut map, &mut sink);
     assert!(!sink.has_errors(), "{name}: {:?}", sink.items());
-    compile_scene(parsed.scene.as_ref().expect("a scene"), &CompileOptions::default(), &mut sink).expect("compiles")
+    compile_scene(parsed.scene.as_ref().expect("a scene"), &CompileOptions::default()).expect("compiles")
 }
 
 fn settings() -> RenderSettings {
@@ -130,7 +130,7 @@ fn imported_scene() -> CompiledScene {
     let sun = Light { kind: sun, ..Light::point(DVec3::ZERO, Vec3::splat(0.8)) };
     let mut scene = Scene { objects, lights: vec![lamp, sun], background: Rgbft::rgb(0.2, 0.25, 0.3), ..Scene::default() };
     scene.camera.location = DVec3::new(0.0, 0.3, -6.0);
-    compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("compiles")
+    compile_scene(&scene, &CompileOptions::default()).expect("compiles")
 }
 
 #[test]

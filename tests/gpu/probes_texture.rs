@@ -52,7 +52,7 @@ fn scene_of(covers: &[String]) -> CompiledScene {
     let options = LangOptions { width: 4, height: 4, ..LangOptions::default() };
     let parsed = parse_scene("probes.pov", text.as_bytes(), &world, &KernelQuery::new(), &options, &mut map, &mut sink);
     assert!(!sink.has_errors(), "{:?}", sink.items());
-    compile_scene(parsed.scene.as_ref().expect("a scene"), &CompileOptions::default(), &mut sink).expect("compiles")
+    compile_scene(parsed.scene.as_ref().expect("a scene"), &CompileOptions::default()).expect("compiles")
 }
 
 /// The texture of each sphere.

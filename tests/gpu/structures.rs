@@ -7,7 +7,6 @@ use rayloom::backend::gpu::{Gpu, GpuOptions};
 use rayloom::bench::stability::meshes::{Triangles, ball, flat, needles, nested_boxes, soup, teapot_in_stadium, terrain, tetrahedron};
 use rayloom::bench::stability::ray_source::RaySource;
 use rayloom::compile::{CompileOptions, CompiledScene, compile_scene};
-use rayloom::diag::Sink;
 use rayloom::math::random::SplitMix64;
 use rayloom::math::{Bounds, DVec3, Ray, Transform};
 use rayloom::scene::{Csg, Mesh, Object, Scene, Shape};
@@ -28,7 +27,7 @@ fn gpu() -> Option<Gpu> {
 
 fn compiled(objects: Vec<Object>, accel: AccelKind) -> CompiledScene {
     let scene = Scene { objects, ..Scene::default() };
-    compile_scene(&scene, &CompileOptions { accel, ..CompileOptions::default() }, &mut Sink::default()).expect("a scene that compiles")
+    compile_scene(&scene, &CompileOptions { accel, ..CompileOptions::default() }).expect("a scene that compiles")
 }
 
 fn mesh_object(mesh: &Triangles) -> Object {

@@ -256,7 +256,7 @@ fn blurred(by_vertices: bool) -> Film {
     let n_steps = |k: usize| if by_vertices { mesh_steps(&scene, k) } else { scene.objects[k].traits.motion.len() };
     assert_eq!((n_steps(1), n_steps(2)), (3, 3));
     let settings = RenderSettings { integrator: IntegratorKind::Path, samples: 0..64, ..RenderSettings::plain(32, 16) };
-    let compiled = compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
+    let compiled = compile_scene(&scene, &CompileOptions::default()).expect("a small scene");
     let mut film = Film::new(32, 16);
     CpuBackend::new(1).render(&compiled, &settings, &mut film, &(), &Default::default()).expect("renders");
     film

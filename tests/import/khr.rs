@@ -3,7 +3,6 @@
 use crate::files::{Data, Folder, SQUARE, material, mesh, png};
 use rayloom::backend::{Backend, cpu::CpuBackend};
 use rayloom::compile::{CompileOptions, compile_scene};
-use rayloom::diag::Sink;
 use rayloom::film::Film;
 use rayloom::integrate::{IntegratorKind, RenderSettings};
 use rayloom::math::Vec3;
@@ -230,7 +229,7 @@ fn seen(nodes: &str) -> f32 {
     let scene = Folder::new().with("x.glb", d.glb(&rest)).scene("x.glb");
     let plain = RenderSettings::plain(8, 4);
     let settings = RenderSettings { integrator: IntegratorKind::Path, samples: 0..64, ..plain };
-    let compiled = compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
+    let compiled = compile_scene(&scene, &CompileOptions::default()).expect("a small scene");
     let mut film = Film::new(8, 4);
     CpuBackend::new(1).render(&compiled, &settings, &mut film, &(), &Default::default()).expect("renders");
     film.pixels.iter().map(|p| p[1]).sum::<f32>() / film.pixels.len() as f32

@@ -3,7 +3,6 @@
 use crate::files::{Data, Folder, SQUARE, png};
 use rayloom::backend::{Backend, cpu::CpuBackend};
 use rayloom::compile::{CompileOptions, compile_scene};
-use rayloom::diag::Sink;
 use rayloom::film::Film;
 use rayloom::integrate::RenderSettings;
 use rayloom::scene::Scene;
@@ -14,7 +13,7 @@ const HEIGHT: u32 = 16;
 
 fn render(scene: &Scene) -> Film {
     let settings = RenderSettings::plain(WIDTH, HEIGHT);
-    let compiled = compile_scene(scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
+    let compiled = compile_scene(scene, &CompileOptions::default()).expect("a small scene");
     let mut film = Film::new(WIDTH, HEIGHT);
     CpuBackend::new(1).render(&compiled, &settings, &mut film, &(), &Default::default()).expect("renders");
     film

@@ -105,6 +105,7 @@ pub const MODULES: &[(&str, &str)] = modules![
     "shared/pattern_fractal",
     "shared/pattern_function",
     "shared/pattern_noisy",
+    "shared/pattern_pavement",
     "shared/pattern_penrose",
     "shared/pattern_simple",
     "shared/pattern_tiling",

@@ -104,6 +104,7 @@ pub(super) const PATTERN_KINDS: &[&str] = &[
     "marble",
     "object",
     "onion",
+    "pavement",
     "penrose",
     "pigment_pattern",
     "planar",

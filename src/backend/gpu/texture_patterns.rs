@@ -5,7 +5,7 @@ use super::texture_encoder::{Placed, TextureEncoder, bits};
 use super::texture_layout::{PATTERN, PATTERN_KINDS, WARP_KINDS, WARP_LEN, WAVE_KINDS, kind};
 use crate::backend::BackendError;
 use crate::compile::NONE;
-use crate::compile::texture::{PatternCode, PatternIx, PatternNode, WarpNode, pattern_name, unfinished};
+use crate::compile::texture::{PatternCode, PatternIx, PatternNode, Pavement, WarpNode, pattern_name};
 use crate::kernel::pattern::penrose::{Rule, penrose_plan};
 use crate::kernel::pattern::tiling::tiling_plan;
 use crate::math::DVec3;
@@ -29,9 +29,7 @@ impl TextureEncoder<'_> {
             return Ok(*known);
         }
         let node = self.tables.patterns[ix as usize];
-        // What the kernel does not know is 0 everywhere, as on the CPU.
-        let code = if unfinished(&node.code).is_some() { PatternCode::Plain } else { node.code };
-        let name = pattern_name(&code);
+        let name = pattern_name(&node.code);
         if !PATTERN_KINDS.contains(&name) {
             return Err(BackendError::Unsupported(format!("the pattern '{name}'")));
         }
@@ -39,7 +37,7 @@ impl TextureEncoder<'_> {
         if SCALAR_NOISE.contains(&name) {
             self.feature("scalar_noise");
         }
-        let (arguments, stack) = self.arguments(&code)?;
+        let (arguments, stack) = self.arguments(&node.code)?;
         let mut warps = Vec::new();
         for w in node.warps.of(&self.tables.warps) {
             let (name, mut words) = warp_words(w);
@@ -105,6 +103,7 @@ impl TextureEncoder<'_> {
             PatternCode::Gradient(direction) => reals(direction),
             PatternCode::Image(ix) => vec![self.image(ix)],
             PatternCode::Object(slot) => self.insides.get(slot as usize).copied().unwrap_or_default().to_vec(),
+            PatternCode::Pavement(ref p) => pavement_words(p),
             PatternCode::Pigment(ix) => {
                 // Wherever its value is asked for, the loop that gathers colours answers.
                 self.feature("nested_pigments");
@@ -189,6 +188,15 @@ fn warp_words(w: &WarpNode) -> (&'static str, Vec<u32>) {
         WarpNode::Planar { orientation, distance } => ("planar", [&three(orientation)[..], &[bits(distance)]].concat()),
         WarpNode::Cubic => ("cubic", Vec::new()),
     }
+}
+
+fn pavement_words(p: &Pavement) -> Vec<u32> {
+    let l = &p.layout;
+    let mut words = vec![u32::from(p.sides), u32::from(p.interior), u32::from(p.exterior), u32::from(p.form)];
+    words.extend([l.columns, l.shift, l.rows].map(|v| v as u32));
+    // Eight digits a word.
+    words.extend(l.digits.as_bytes().chunks(8).map(|d| d.iter().rev().fold(0, |w, d| w << 4 | u32::from(d - b'0'))));
+    words
 }
 
 fn penrose_words(n: u8) -> Option<Vec<u32>> {

@@ -180,6 +180,5 @@ pub(super) fn mesh_scene(mesh: &Triangles, kind: AccelKind) -> CompiledScene {
 }
 
 pub(super) fn compiled(scene: &Scene, accel: AccelKind) -> CompiledScene {
-    compile_scene(scene, &CompileOptions { accel, ..CompileOptions::default() }, &mut Sink::default())
-        .expect("a scene of the program's own")
+    compile_scene(scene, &CompileOptions { accel, ..CompileOptions::default() }).expect("a scene of the program's own")
 }

@@ -42,7 +42,7 @@ pub(super) fn run(args: &PathArgs) -> Result<ExitCode, JobError> {
     let options = ImportOptions { aspect: f64::from(width) / f64::from(height), ..ImportOptions::default() };
     let scene = rayloom::import::load(&args.scene, &options, &mut sink)?;
     let accel = AccelKind::named(&args.accel).unwrap_or(AccelKind::Auto);
-    let compiled = compile_scene(&scene, &CompileOptions { accel, ..CompileOptions::default() }, &mut sink)?;
+    let compiled = compile_scene(&scene, &CompileOptions { accel, ..CompileOptions::default() })?;
     let settings = RenderSettings { integrator: IntegratorKind::Path, samples: 0..args.spp, ..RenderSettings::plain(width, height) };
     let failed = |error: BackendError| JobError::Device { error, saved: None };
     let gpu = GpuBackend::new(&GpuOptions { accept_software: args.software, ..GpuOptions::default() }).map_err(failed)?;

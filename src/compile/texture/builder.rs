@@ -365,14 +365,13 @@ impl TextureBuilder {
                 PatternCode::Object(self.tables.pattern_objects.len() as u32 - 1)
             }
             PatternKind::Onion => PatternCode::Onion,
-            PatternKind::Pavement { sides, tiles, pattern, interior, exterior, form } => PatternCode::Pavement {
+            PatternKind::Pavement { sides, tiles, pattern, interior, exterior, form } => PatternCode::Pavement(Pavement {
                 sides: *sides,
-                tiles: *tiles,
-                pattern: *pattern,
                 interior: *interior,
                 exterior: *exterior,
                 form: *form,
-            },
+                layout: layout_of(*sides, *tiles, *pattern),
+            }),
             PatternKind::Pigment(p) => {
                 let ix = self.pigment(p);
                 self.uv_in_pattern |= self.pigment_traits[ix as usize].uv;

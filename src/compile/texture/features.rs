@@ -3,7 +3,6 @@
 use super::{NormalCode, PatternCode, PigmentCode, TextureNode, TextureTables, WarpNode};
 use crate::compile::FeatureSet;
 use crate::compile::function::FunctionNode;
-use crate::kernel::pattern::tiling::N_TILINGS;
 
 /// Adds what `t` needs to `f`.
 pub fn texture_features(t: &TextureTables, f: &mut FeatureSet) {
@@ -27,13 +26,8 @@ pub fn texture_features(t: &TextureTables, f: &mut FeatureSet) {
     debug_assert!(t.normals.iter().all(|n| !matches!(n.code, NormalCode::Map(r) if r.len == 0)), "normal maps have entries");
 }
 
-/// The name of a pattern that the kernel does not evaluate yet.
-pub fn unfinished(code: &PatternCode) -> Option<&'static str> {
-    match code {
-        PatternCode::Pavement { .. } => Some("pavement"),
-        _ => None,
-    }
-}
+/// Tilings that a lattice repeats: 1 up to this; Penrose's follow.
+pub const N_TILINGS: u8 = 24;
 
 /// The keyword of a pattern.
 pub fn pattern_name(code: &PatternCode) -> &'static str {
@@ -63,7 +57,7 @@ pub fn pattern_name(code: &PatternCode) -> &'static str {
         PatternCode::Marble => "marble",
         PatternCode::Object(_) => "object",
         PatternCode::Onion => "onion",
-        PatternCode::Pavement { .. } => "pavement",
+        PatternCode::Pavement(_) => "pavement",
         PatternCode::Pigment(_) => "pigment_pattern",
         PatternCode::Planar => "planar",
         PatternCode::Quilted { .. } => "quilted",

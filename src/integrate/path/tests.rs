@@ -2,7 +2,6 @@
 
 use super::{PathPlan, PathTracer};
 use crate::compile::{CompileOptions, CompiledScene, compile_scene};
-use crate::diag::Sink;
 use crate::math::{DVec3, Rgb, Transform, Vec3};
 use crate::scene::lamp::LampShape;
 use crate::scene::path_settings::PixelFilter;
@@ -38,7 +37,7 @@ pub(super) fn floor(albedo: f32) -> Object {
 }
 
 pub(super) fn compiled(s: &Scene) -> CompiledScene {
-    compile_scene(s, &CompileOptions::default(), &mut Sink::default()).expect("a small scene")
+    compile_scene(s, &CompileOptions::default()).expect("a small scene")
 }
 
 /// Mean of the middle pixels over `range` samples.

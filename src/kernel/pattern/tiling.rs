@@ -2,9 +2,10 @@
 //! pictures of every tiling (500 x 500 pixels of 10 x 10 units).
 //!
 //! A tile's kind picks its part of 0..1; inside, the value is highest at the sides and falls to the part's start at the inner radius of
-//! the smallest tile. Tilings 25 to 27 are Penrose's (`penrose.rs`); pavements are not done: their value is 0.
+//! the smallest tile. Tilings 25 to 27 are Penrose's (`penrose.rs`).
 
 use super::penrose::{penrose, penrose_plan};
+use crate::compile::texture::N_TILINGS;
 use crate::math::{DVec3, EPSILON};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 use std::sync::LazyLock;
@@ -56,9 +57,6 @@ fn floor_of(n: u8) -> f64 {
     }
 }
 
-/// Tilings that a lattice repeats: 1 up to this.
-pub const N_TILINGS: u8 = 24;
-
 static TILINGS: LazyLock<Vec<Tiling>> = LazyLock::new(|| (1..=N_TILINGS).map(|n| Tiling::new(n, plan(n))).collect());
 
 /// A tiling by its number; `None` for those that no lattice repeats.
@@ -87,12 +85,6 @@ pub fn tiling(p: DVec3, n: u8) -> f64 {
         }
     }
     found
-}
-
-/// The value of a pavement.
-pub fn pavement(p: DVec3, sides: u8, tiles: u8, pattern: u8, interior: u8, exterior: u8, form: u8) -> f64 {
-    let _ = (p, sides, tiles, pattern, interior, exterior, form);
-    0.0
 }
 
 impl Tiling {

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::compile::{CompileOptions, compile_scene};
-use crate::diag::Sink;
 use crate::math::{DVec3, Rgb, Rgbft, Vec3};
 use crate::scene::shape::Shape;
 use crate::scene::{Interior, Light, Object, Scene, Texture};
@@ -36,7 +35,7 @@ fn paned(spacing: f64) -> Scene {
 }
 
 fn shoot_in(scene: &Scene, in_order: bool, options: &CompileOptions) -> Result<PhotonMaps, PhotonError> {
-    let compiled = compile_scene(scene, options, &mut Sink::default()).expect("a small scene");
+    let compiled = compile_scene(scene, options).expect("a small scene");
     let plan = ScenePlan::new(&compiled, 8, 8, false);
     assert!(PhotonMaps::are_asked_for(&compiled, &plan));
     PhotonMaps::shoot(&compiled, &plan, in_order, &|_, _| (), &AtomicBool::new(false))
@@ -144,7 +143,7 @@ fn photons_without_end_and_without_room_are_refused() {
     let refused = shoot_in(&paned(1e-9), true, &CompileOptions::default());
     assert!(matches!(refused, Err(PhotonError::TooMany { .. })));
     let memory = MemoryLimit::bytes(1 << 20);
-    let compiled = compile_scene(&paned(0.02), &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
+    let compiled = compile_scene(&paned(0.02), &CompileOptions::default()).expect("a small scene");
     let tight = CompiledScene { options: CompileOptions { memory, ..CompileOptions::default() }, ..compiled };
     let plan = ScenePlan::new(&tight, 8, 8, false);
     let refused = PhotonMaps::shoot(&tight, &plan, true, &|_, _| (), &AtomicBool::new(false));
@@ -158,7 +157,7 @@ fn what_takes_no_photons_gets_none() {
     let asked = |change: &dyn Fn(&mut Scene)| {
         let mut scene = paned(0.1);
         change(&mut scene);
-        let compiled = compile_scene(&scene, &CompileOptions::default(), &mut Sink::default()).expect("a small scene");
+        let compiled = compile_scene(&scene, &CompileOptions::default()).expect("a small scene");
         PhotonMaps::are_asked_for(&compiled, &ScenePlan::new(&compiled, 8, 8, false))
     };
     assert!(asked(&|_| ()));

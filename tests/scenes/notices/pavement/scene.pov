@@ -1,9 +1,0 @@
-// pavement is told not to be done.
-#version 3.7;
-global_settings { assumed_gamma 1.0 }
-camera { location <1.6, 2.0, -4.2> look_at <0, 0.1, 0> angle 42 right 4/3*x }
-light_source { <4, 6, -5> rgb 0.9 }
-light_source { <-5, 3, -2> rgb <0.25, 0.27, 0.35> shadowless }
-plane { y, -1 pigment { checker rgb <0.85, 0.82, 0.75>, rgb <0.35, 0.4, 0.45> } finish { ambient 0.1 diffuse 0.7 } }
-sphere { <-0.8, 0, 0>, 0.9 pigment { pavement color_map { [0 rgb <0.9, 0.3, 0.2>] [0.5 rgb <0.9, 0.9, 0.6>] [1 rgb <0.1, 0.3, 0.7>] } scale 0.4 } }
-box { <0.3, -1, -0.5>, <1.6, 0.6, 0.7> pigment { pavement color_map { [0 rgb <0.9, 0.3, 0.2>] [0.5 rgb <0.9, 0.9, 0.6>] [1 rgb <0.1, 0.3, 0.7>] } scale 0.4 } rotate 10*y }
