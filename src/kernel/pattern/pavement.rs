@@ -4,7 +4,7 @@
 //! the corner alone: 1 on them, less by `STEEPNESS` times the distance. `form`, `interior` and `exterior` say how corners are rounded or cut. Layouts
 //! (`compile/texture/layouts.rs`) and formulas were measured on the installed program: 112 layouts at the middles of 1,000 sides each, corners at 35 places for all that meet in them.
 
-use crate::compile::texture::Pavement;
+use crate::compile::texture::{Layout, Pavement};
 
 /// Half the square root of 3.
 const A: f64 = 0.866_025_403_784_438_6;
@@ -37,34 +37,42 @@ fn square(x: f64, z: f64, p: &Pavement) -> f64 {
     let level = |i: i64, j: i64| p.layout.seam(i, j, 1);
     let touched = |i: i64, j: i64| upright(i, j) || upright(i, j - 1) || level(i, j) || level(i - 1, j);
     let [left_seam, right_seam, low_seam, top_seam] = [upright(i, j), upright(i + 1, j), level(i, j), level(i, j + 1)];
-    // A piece bends here, around the corner away from both seams.
-    if left_seam != right_seam && low_seam != top_seam && touched(i + i64::from(left_seam), j + i64::from(low_seam)) {
-        let (a, b) = (if left_seam { 1.0 - u } else { u }, if low_seam { 1.0 - w } else { w });
-        match p.form {
-            1 => return (2.0 * (a + b - 0.5)).abs(),
-            2 => return 2.0 * (a.hypot(b) - 0.5).abs(),
-            _ => {}
-        }
-    }
+    // A piece bends here, around the corner away from both seams: `form` says how, 3 leaves it to `interior` and `exterior`.
+    let bends = left_seam != right_seam && low_seam != top_seam && touched(i + i64::from(left_seam), j + i64::from(low_seam));
+    let far = [if left_seam { 1.0 - u } else { u }, if low_seam { 1.0 - w } else { w }];
+    let (interior, exterior) = match p.form {
+        1 if bends => return (2.0 * (far[0] + far[1] - 0.5)).abs(),
+        2 if bends => return 2.0 * (far[0].hypot(far[1]) - 0.5).abs(),
+        0 if bends => (0, 0),
+        _ => (p.interior, p.exterior),
+    };
     let (a, b) = (if right { 1.0 - u } else { u }, if top { 1.0 - w } else { w });
-    let bends = left_seam != right_seam && low_seam != top_seam;
     match (if right { right_seam } else { left_seam }, if top { top_seam } else { low_seam }) {
-        (true, true) => {
-            let around = touched(i + i64::from(left_seam), j + i64::from(low_seam));
-            match p.exterior {
-                1 if !(bends && around) => 2.0 - 2.0 * (a + b),
-                2 if !(bends && around) => 2.0 * (0.5 - a).hypot(0.5 - b),
-                _ => 1.0 - 2.0 * a.min(b),
-            }
-        }
+        (true, true) => match exterior {
+            1 => 2.0 - 2.0 * (a + b),
+            2 => 2.0 * (0.5 - a).hypot(0.5 - b),
+            _ => 1.0 - 2.0 * a.min(b),
+        },
         (true, false) => 1.0 - 2.0 * a,
         (false, true) => 1.0 - 2.0 * b,
         (false, false) if !touched(i + i64::from(right), j + i64::from(top)) => 0.0,
-        (false, false) => match p.interior {
-            1 if p.form == 3 => 1.0 - 2.0 * (a + b),
-            2 if p.form == 3 => 1.0 - 2.0 * a.hypot(b),
+        (false, false) => match interior {
+            1 => 1.0 - 2.0 * (a + b),
+            2 => 1.0 - 2.0 * a.hypot(b),
             _ => 1.0 - 2.0 * a.max(b),
         },
+    }
+}
+
+/// One of the six sides at a point of the lattice of triangles, or of a hexagon, from the one along 0 (30)°.
+fn side_of_six(layout: &Layout, i: i64, j: i64, turn: i64) -> bool {
+    match turn.rem_euclid(6) {
+        0 => layout.seam(i, j, 0),
+        1 => layout.seam(i, j, 1),
+        2 => layout.seam(i, j, 2),
+        3 => layout.seam(i - 1, j, 0),
+        4 => layout.seam(i, j - 1, 1),
+        _ => layout.seam(i + 1, j - 1, 2),
     }
 }
 
@@ -82,14 +90,7 @@ fn triangle(x: f64, z: f64, p: &Pavement) -> f64 {
         [(f + g - 1.0, i + 1, j + 1, 3), (1.0 - f, i, j + 1, 5), (1.0 - g, i + 1, j, 1)]
     };
     let (_, i, j, turn) = corners.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).expect("three corners");
-    let spoke = |m: i64| match (turn + m).rem_euclid(6) {
-        0 => p.layout.seam(i, j, 0),
-        1 => p.layout.seam(i, j, 1),
-        2 => p.layout.seam(i, j, 2),
-        3 => p.layout.seam(i - 1, j, 0),
-        4 => p.layout.seam(i, j - 1, 1),
-        _ => p.layout.seam(i + 1, j - 1, 2),
-    };
+    let spoke = |m: i64| side_of_six(&p.layout, i, j, turn + m);
     // From the corner: along the way to the middle, and across.
     let (dx, dz) = (x - (i as f64 + 0.5 * j as f64), z - A * j as f64);
     let (s, c) = (std::f64::consts::FRAC_PI_6 * (1 + 2 * turn) as f64).sin_cos();
@@ -111,8 +112,8 @@ fn triangle(x: f64, z: f64, p: &Pavement) -> f64 {
         (false, true) => 1.0 - k * high,
         (false, false) if (0..6).all(|m| !spoke(m)) => 0.0,
         (false, false) => match p.interior {
-            1 if p.form == 2 => 1.0 - 3.0 * (A * along + 0.5 * across.abs()),
-            2 if p.form == 2 => 1.0 - 3.0 * along.hypot(across),
+            1 => 1.0 - 3.0 * (A * along + 0.5 * across.abs()),
+            2 => 1.0 - 3.0 * along.hypot(across),
             _ => 1.0 - k * along,
         },
     }
@@ -137,24 +138,16 @@ fn hexagon(x: f64, z: f64, p: &Pavement) -> f64 {
     let m = middle(i, j);
     let turn = ((z - m[1]).atan2(x - m[0]) / std::f64::consts::FRAC_PI_3).round();
     let (i, j, turn) = (i as i64, j as i64, turn as i64);
-    let side = |n: i64| match n.rem_euclid(6) {
-        0 => p.layout.seam(i, j, 0),
-        1 => p.layout.seam(i, j, 1),
-        2 => p.layout.seam(i, j, 2),
-        3 => p.layout.seam(i - 1, j, 0),
-        4 => p.layout.seam(i, j - 1, 1),
-        _ => p.layout.seam(i + 1, j - 1, 2),
-    };
     // From the corner: along the way to the middle, and across.
     let (s, c) = (std::f64::consts::FRAC_PI_3 * turn as f64).sin_cos();
     let (dx, dz) = (x - m[0] - c, z - m[1] - s);
     let (along, across) = (-dx * c - dz * s, dx * s - dz * c);
-    let inwards = |across: f64| match (p.form, p.interior) {
-        (2, 1) if across > 0.0 => 1.0 - 3.0 * along.max(0.5 * along + A * across),
-        (2, 2) if across > 0.0 => 1.0 - 3.0 * along.hypot(across),
+    let inwards = |across: f64| match p.interior {
+        1 if across > 0.0 => 1.0 - 3.0 * along.max(0.5 * along + A * across),
+        2 if across > 0.0 => 1.0 - 3.0 * along.hypot(across),
         _ => 1.0 - k * (A * along + 0.5 * across),
     };
-    match (side(turn - 1), side(turn)) {
+    match (side_of_six(&p.layout, i, j, turn - 1), side_of_six(&p.layout, i, j, turn)) {
         (true, true) if p.form > 0 => bend(along, across, p.form, k),
         (true, true) => 1.0 - k * (A * along - 0.5 * across.abs()),
         // The seam goes on away from the cell: the piece has an inward corner here.
