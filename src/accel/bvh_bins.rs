@@ -25,6 +25,12 @@ impl Box4 {
         self.hi = self.hi.max(other.hi);
     }
 
+    /// Whether it is [`Self::EMPTY`].
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.lo.x > self.hi.x
+    }
+
     #[inline(always)]
     pub(super) fn to_boxf(self) -> BoxF {
         BoxF { lo: self.lo.truncate().to_array(), hi: self.hi.truncate().to_array() }
@@ -47,6 +53,12 @@ impl Ref {
 
     pub(super) fn prim(&self) -> u32 {
         (self.0.lo.w.to_bits() ^ ONE) | (self.0.hi.w.to_bits() ^ ONE) << FRACTION_BITS
+    }
+
+    /// Its box.
+    #[inline(always)]
+    pub(super) fn bounds(&self) -> &Box4 {
+        &self.0
     }
 
     /// Twice the centroid.

@@ -4,42 +4,41 @@
 
 use super::bvh::{BVH_LEAF, MAX_DEPTH};
 use super::bvh_bins::{BinMap, Bins, Box4, CHUNK, N_BINS, Ref, Scratch, box_of, center, centers_of, partition};
-use super::{AccelOptions, AccelStats, BoxF, Bvh, BvhNode, PrimSet, seconds_since, usable_prims};
+use super::bvh_runs::LEAST;
+use super::{AccelOptions, AccelStats, BoxF, Bvh, BvhNode, PrimRef, PrimSet, seconds_since};
 use rayon::prelude::*;
 use std::time::Instant;
 
 /// Nodes with more references build their halves in parallel.
 const PARALLEL_LIMIT: usize = 1 << 14;
 /// A child: its node or first reference, and its count, as [`BvhNode`] has them.
-type Child = (u32, u32);
+pub(super) type Child = (u32, u32);
 
 /// A subtree; node indices are relative to its own array, reference indices are final.
 #[derive(Default)]
-struct Subtree {
-    nodes: Vec<BvhNode>,
-    n_leaves: usize,
-    depth: usize,
-    cost: f64,
+pub(super) struct Subtree {
+    pub(super) nodes: Vec<BvhNode>,
+    pub(super) n_leaves: usize,
+    pub(super) depth: usize,
+    pub(super) cost: f64,
 }
 
-struct Builder {
-    intersect_cost: f64,
-    max_leaf: usize,
-    pack: usize,
+pub(super) struct Builder {
+    pub(super) intersect_cost: f64,
+    pub(super) max_leaf: usize,
+    pub(super) pack: usize,
     /// Added to side lengths, so that flat and thin boxes have an area.
-    thin: f64,
+    pub(super) thin: f64,
     /// 1 / area of the root.
-    per_root_area: f64,
+    pub(super) per_root_area: f64,
 }
 
 impl Bvh {
     /// Builds over all primitives with usable bounds.
     pub fn build(prims: &impl PrimSet, options: &AccelOptions) -> Self {
         let start = Instant::now();
-        let usable = usable_prims(prims);
-        let n = usable.len();
-        let mut refs = if n > CHUNK { usable.par_iter().map(Ref::new).collect() } else { usable.iter().map(Ref::new).collect::<Vec<_>>() };
-        drop(usable);
+        let mut refs = usable_refs(prims);
+        let n = refs.len();
         let bounds = box_of(&refs).to_boxf();
         let mut tree = Subtree::default();
         if n > 0 {
@@ -52,7 +51,8 @@ impl Bvh {
                 per_root_area: 1.0,
             };
             b.per_root_area = 1.0 / b.area(&bounds);
-            let (child, count) = b.node(&mut refs, 0, &bounds, 0, &mut tree, &mut Scratch::new());
+            let in_runs = if options.in_runs && n >= LEAST { b.in_runs(&mut refs, &bounds, &mut tree) } else { None };
+            let (child, count) = in_runs.unwrap_or_else(|| b.node(&mut refs, 0, &bounds, 0, &mut tree, &mut Scratch::new()));
             if tree.nodes.is_empty() {
                 // All in one leaf: its sibling is a point without primitives.
                 let point = BoxF { lo: bounds.lo, hi: bounds.lo };
@@ -75,16 +75,30 @@ impl Bvh {
     }
 }
 
+/// The primitives that can be built over, their boxes rounded outward.
+fn usable_refs(prims: &impl PrimSet) -> Vec<Ref> {
+    let of = |k: usize| Ref::new(&PrimRef { bounds: prims.boxed(k).unwrap_or(BoxF::EMPTY), prim: k as u32 });
+    // Written where they stay; few sets have primitives that are left out.
+    let mut all = Vec::new();
+    if prims.len() > CHUNK {
+        (0..prims.len()).into_par_iter().map(of).collect_into_vec(&mut all);
+    } else {
+        all.extend((0..prims.len()).map(of));
+    }
+    all.retain(|r| !r.bounds().is_empty());
+    all
+}
+
 impl Builder {
     #[inline]
-    fn area(&self, b: &BoxF) -> f64 {
+    pub(super) fn area(&self, b: &BoxF) -> f64 {
         let s: [f64; 3] = std::array::from_fn(|k| f64::from(b.hi[k]) - f64::from(b.lo[k]) + self.thin);
         s[0] * s[1] + s[1] * s[2] + s[2] * s[0]
     }
 
     /// Cost of a leaf: packs are tested at once.
     #[inline]
-    fn leaf_cost(&self, n: usize) -> f64 {
+    pub(super) fn leaf_cost(&self, n: usize) -> f64 {
         self.intersect_cost * n.div_ceil(self.pack) as f64
     }
 
@@ -95,7 +109,15 @@ impl Builder {
     }
 
     /// Appends the subtree of `refs`, whose first stands at `first` in the whole list and whose box is `bounds`.
-    fn node(&self, refs: &mut [Ref], first: usize, bounds: &BoxF, depth: usize, out: &mut Subtree, scratch: &mut Scratch) -> Child {
+    pub(super) fn node(
+        &self,
+        refs: &mut [Ref],
+        first: usize,
+        bounds: &BoxF,
+        depth: usize,
+        out: &mut Subtree,
+        scratch: &mut Scratch,
+    ) -> Child {
         let n = refs.len();
         let share = self.area(bounds) * self.per_root_area;
         let Some(split) = self.divide(refs, bounds, depth, scratch) else {

@@ -17,6 +17,7 @@ mod bvh8;
 mod bvh8_build;
 mod bvh_bins;
 mod bvh_build;
+mod bvh_runs;
 mod bvh_skip;
 mod grid;
 mod grid_build;
@@ -67,6 +68,10 @@ pub trait PrimSet: Sync {
     }
     /// Box of a primitive.
     fn bounds(&self, prim_ix: usize) -> Bounds;
+    /// The same, rounded outward to 32 bits; `None` where it is of no use.
+    fn boxed(&self, prim_ix: usize) -> Option<BoxF> {
+        BoxF::around(&self.bounds(prim_ix))
+    }
     /// Box of the part of a primitive that lies in `cell`; may be larger, never smaller; empty where nothing lies in it.
     fn clipped_bounds(&self, prim_ix: usize, cell: &Bounds) -> Bounds {
         self.bounds(prim_ix).intersection(*cell)
@@ -85,11 +90,13 @@ pub struct AccelOptions {
     /// The kd-tree holds at most this many references for each primitive, plus a few hundred. With 12, surfaces that cross each other
     /// everywhere end it early: shells of 311 k faces take 1.3 to 1.6 times as long on an H100 (benches/results/accel_h100.md).
     pub max_refs_per_prim: f64,
+    /// BVHs of many primitives are built in less than half the time, a little worse for rays (`accel/bvh_runs.rs`).
+    pub in_runs: bool,
 }
 
 impl Default for AccelOptions {
     fn default() -> Self {
-        Self { intersect_cost: 1.5, max_leaf: 4, pack: 1, max_refs_per_prim: 40.0 }
+        Self { intersect_cost: 1.5, max_leaf: 4, pack: 1, max_refs_per_prim: 40.0, in_runs: false }
     }
 }
 
@@ -338,7 +345,7 @@ struct PrimRef {
 /// The primitives that can be built over, their boxes rounded outward.
 fn usable_prims(prims: &impl PrimSet) -> Vec<PrimRef> {
     use rayon::prelude::*;
-    let boxed = |i: usize| BoxF::around(&prims.bounds(i)).map(|bounds| PrimRef { bounds, prim: i as u32 });
+    let boxed = |i: usize| prims.boxed(i).map(|bounds| PrimRef { bounds, prim: i as u32 });
     // The order is kept, so the tree does not depend on the threads.
     if prims.len() < 4096 {
         (0..prims.len()).filter_map(boxed).collect()

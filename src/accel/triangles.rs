@@ -1,7 +1,7 @@
 //! Triangles of an indexed mesh as primitives, clipped to cells exactly.
 
-use super::PrimSet;
-use crate::math::{Bounds, DVec3, Vec3};
+use super::{BoxF, HUGE, PrimSet};
+use crate::math::{Bounds, DVec3, Vec3, Vec3A};
 
 /// The faces of a mesh.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +23,18 @@ impl PrimSet for TrianglePrims<'_> {
             return Bounds::EMPTY;
         }
         Bounds { min: a.min(b).min(c).as_dvec3(), max: a.max(b).max(c).as_dvec3() }
+    }
+
+    #[inline]
+    fn boxed(&self, prim_ix: usize) -> Option<BoxF> {
+        let [a, b, c] = self.faces[prim_ix].map(|v| Vec3A::from(self.vertices[v as usize]));
+        // 0 times what is not finite is NaN.
+        if a * 0.0 + b * 0.0 + c * 0.0 != Vec3A::ZERO {
+            return None;
+        }
+        let cut = Vec3A::splat(HUGE as f32);
+        let (lo, hi) = (a.min(b).min(c).clamp(-cut, cut), a.max(b).max(c).clamp(-cut, cut));
+        Some(BoxF { lo: lo.to_array(), hi: hi.to_array() })
     }
 
     fn clipped_bounds(&self, prim_ix: usize, cell: &Bounds) -> Bounds {

@@ -87,7 +87,7 @@ impl MergedMeshes {
             faces.extend(mesh.faces.iter().map(|f| f.map(|v| base + v)));
         }
         let prims = TrianglePrims { vertices: &vertices, faces: &faces };
-        let tree = Bvh8::build(&prims, &AccelOptions { pack: PACK, ..AccelOptions::default() });
+        let tree = Bvh8::build(&prims, &AccelOptions { pack: PACK, in_runs: true, ..AccelOptions::default() });
         let corners = |face: &u32| match *face {
             NO_PRIM => [Vec3::ZERO; 3],
             face => faces[face as usize].map(|v| vertices[v as usize]),

@@ -199,7 +199,7 @@ pub fn normals_at(scene: &CompiledScene, m: &Principled, hit: &SurfaceHit, dir: 
     let [p0, p1, p2] = mesh.corners(hit.face_ix);
     // glTF's front: corners run counterclockwise, before any mirroring of the node.
     let front = transform.normal((p1 - p0).cross(p2 - p0)).try_normalize().unwrap_or(hit.normal);
-    let is_smooth = mesh.mesh.normal_indices.get(hit.face_ix as usize).is_some_and(|n| n[0] != u32::MAX);
+    let is_smooth = mesh.is_smooth(hit.face_ix);
     let mut shading = if is_smooth { hit.normal } else { front };
     if let Some(t) = &m.normal_texture {
         shading = mapped_normal(t, m.normal_scale, mesh, hit, transform, shading).unwrap_or(shading);

@@ -640,7 +640,9 @@ fn placed_hit(scene: &CompiledScene, ray: &Ray, time: f64, t: f64, prim_ix: u32,
     let prim = &g.prims[prim_ix as usize];
     let point = ray.at(t);
     let transform = (prim.transform_ix != 0).then(|| &g.transforms[prim.transform_ix as usize]);
-    let local = transform.map_or(point, |t| t.inverse_point(point));
+    // Faces know where they are met.
+    let inner = transform.filter(|_| !matches!(prim.kind, PrimKind::Mesh | PrimKind::BicubicPatch));
+    let local = inner.map_or(point, |t| t.inverse_point(point));
     let n = match plain_normal(g, prim, local, part) {
         Some(n) => transform.map_or(n, |t| t.normal(n)),
         None => world_normal(scene, prim, transform, local, part, time),

@@ -38,7 +38,8 @@ const NODE_COST: usize = 512;
 const TREE_COST: usize = 256;
 
 /// Primitives of a scene cost several times what triangles do.
-pub(super) const SCENE_TREE: AccelOptions = AccelOptions { intersect_cost: 4.0, max_leaf: 1, pack: 1, max_refs_per_prim: 8.0 };
+pub(super) const SCENE_TREE: AccelOptions =
+    AccelOptions { intersect_cost: 4.0, max_leaf: 1, pack: 1, max_refs_per_prim: 8.0, in_runs: false };
 
 /// What an object is compiled for.
 #[derive(Clone, Copy, PartialEq, Eq)]

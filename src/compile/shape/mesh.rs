@@ -132,6 +132,12 @@ impl MeshShape {
         self.index.get().is_some()
     }
 
+    /// Whether a face has normals of its corners.
+    #[inline]
+    pub fn is_smooth(&self, face: u32) -> bool {
+        self.mesh.normal_indices.get(face as usize).is_some_and(|n| n[0] != u32::MAX)
+    }
+
     /// Corners of a face at rest.
     pub fn corners(&self, face: u32) -> [DVec3; 3] {
         self.mesh.faces[face as usize].map(|v| self.mesh.vertices[v as usize].as_dvec3())

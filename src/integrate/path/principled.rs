@@ -34,11 +34,11 @@ impl Builder<'_, '_> {
             weight *= alpha;
         }
         let (n, is_bent) = s.bent_normal(p.normal.as_deref());
-        let (mirror_n, _) = self.mirror_normal(p.normal.as_deref());
-        let (coat_n, coat_bent) = self.mirror_normal(p.coat_normal.as_deref());
         let coat = unit(s.scalar(&p.coat_weight));
 
         let sheen = unit(s.scalar(&p.sheen_weight));
+        // Most surfaces have neither.
+        let (coat_n, coat_bent) = if sheen > CUTOFF || coat > CUTOFF { self.mirror_normal(p.coat_normal.as_deref()) } else { (n, is_bent) };
         if sheen > CUTOFF {
             let about = (n + (coat_n - n) * coat).normalize_or(n);
             let layer = weight * s.color(&p.sheen_tint).max(Vec3::ZERO) * sheen;
@@ -58,6 +58,7 @@ impl Builder<'_, '_> {
         let metallic = unit(s.scalar(&p.metallic));
         if metallic > CUTOFF {
             if self.view.reflective {
+                let (mirror_n, _) = self.mirror_normal(p.normal.as_deref());
                 self.metal(p, weight * metallic, base.min(Vec3::ONE), tint.min(Vec3::ONE), roughness, mirror_n, is_bent);
             }
             weight *= 1.0 - metallic;
@@ -67,6 +68,7 @@ impl Builder<'_, '_> {
         if transmission > CUTOFF {
             let reflect = if self.view.reflective { Vec3::ONE } else { Vec3::ZERO };
             if p.thin_walled {
+                let (mirror_n, _) = self.mirror_normal(p.normal.as_deref());
                 self.thin_wall(p, weight * transmission, base, roughness, ior, mirror_n);
             } else {
                 let through = if self.view.refractive { base.map(f32::sqrt) } else { Vec3::ZERO };
@@ -79,7 +81,7 @@ impl Builder<'_, '_> {
             return;
         }
         if self.view.reflective {
-            weight = self.specular(p, weight, tint, roughness, ior, mirror_n, is_bent);
+            weight = self.specular(p, weight, tint, roughness, ior, is_bent);
         }
         let subsurface = unit(s.scalar(&p.subsurface_weight));
         if subsurface > CUTOFF {
@@ -162,13 +164,14 @@ impl Builder<'_, '_> {
     }
 
     /// Adds the dielectric highlight and gives what is left.
-    fn specular(&mut self, p: &PrincipledClosure, weight: Rgb, tint: Rgb, roughness: f32, ior: f32, n: Vec3, is_bent: bool) -> Rgb {
+    fn specular(&mut self, p: &PrincipledClosure, weight: Rgb, tint: Rgb, roughness: f32, ior: f32, is_bent: bool) -> Rgb {
         let s = self.surface;
         let level = s.scalar(&p.specular_ior_level).max(0.0);
         let (eta, f0) = highlight_of(ior, level);
         if f0 <= 0.0 && eta == 1.0 {
             return weight;
         }
+        let (n, _) = self.mirror_normal(p.normal.as_deref());
         let f0_tinted = (tint * f0).min(Vec3::ONE);
         let (ggx, frame, rough) = self.widths(p, roughness, n);
         let cos = n.dot(s.v).clamp(0.0, 1.0);

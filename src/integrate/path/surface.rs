@@ -1,7 +1,7 @@
 //! Where a ray meets a surface, as closures look at it: normals on the viewer's side, texture coordinates, tangents, inputs with values.
 
 use crate::compile::CompiledScene;
-use crate::compile::geometry::{Prim, PrimKind};
+use crate::compile::geometry::{Prim, PrimKind, prim_flags};
 use crate::compile::shape::{HairShape, MeshShape};
 use crate::kernel::SurfaceHit;
 use crate::kernel::material::{mesh_of, picture_uv, sample_picture, vertex_color};
@@ -29,10 +29,10 @@ pub struct Surface<'s> {
     /// By what sort of ray; [`RaySort::Light`] until it is told.
     pub seen_by: RaySort,
     mesh: Option<&'s MeshShape>,
-    /// World from the shape's space, at the ray's time.
-    transform: Transform,
-    /// Of a mesh: the face's corners in its space, at that time.
-    corners: [DVec3; 3],
+    /// World from the shape's space, where the object rests.
+    resting: &'s Transform,
+    /// The same at the ray's time, of what moves.
+    moved: Option<Transform>,
     time: f64,
     fibre: Option<Fibre>,
 }
@@ -59,42 +59,46 @@ impl<'s> Surface<'s> {
         let g = &scene.geometry;
         let prim = &g.prims[hit.prim_ix as usize];
         let mesh = mesh_of(g, &hit);
-        let mut transform = g.transforms[prim.transform_ix as usize];
-        if prim.flags & crate::compile::geometry::prim_flags::MOVING != 0 {
-            transform = transform.then(&motion_at(g, prim, time));
-        }
+        let resting = &g.transforms[prim.transform_ix as usize];
+        let moves = prim.flags & prim_flags::MOVING != 0;
+        let moved = moves.then(|| resting.then(&motion_at(g, prim, time)));
         if let Some(hair) = hair_of(scene, prim) {
             let segment = &hair.segments[hit.face_ix as usize];
+            let transform = moved.as_ref().unwrap_or(resting);
             let tangent = transform.vector(segment.tangent(hit.barycentric.x)).normalize_or(DVec3::X);
             let n = (tangent * tangent.dot(dir) - dir).try_normalize().unwrap_or(-dir);
             let offset = hit.barycentric.y;
             // The ribbon is shaded as if it were round.
             let round = tangent.cross(dir).normalize_or_zero() * offset + n * (1.0 - offset * offset).max(0.0).sqrt();
             let fibre = Some(Fibre { tangent: tangent.as_vec3(), facing: n.as_vec3(), offset: offset as f32 });
-            let (v, corners) = (-dir.as_vec3(), [DVec3::ZERO; 3]);
             return Self {
                 scene,
                 hit,
                 prim,
-                v,
+                v: -dir.as_vec3(),
                 flat: round,
                 normal: round,
                 backfacing: false,
                 seen_by: RaySort::Light,
                 mesh: None,
-                transform,
-                corners,
+                resting,
+                moved,
                 time,
                 fibre,
             };
         }
-        let corners = mesh.map_or([DVec3::ZERO; 3], |m| m.corners_at(hit.face_ix, time));
         let (front, smooth) = match mesh {
             Some(mesh) => {
-                let [a, b, c] = corners;
-                // Corners run counterclockwise seen from the front; a mirroring transform turns that round.
-                let n = transform.normal((b - a).cross(c - a)).try_normalize().unwrap_or(hit.normal);
-                let is_smooth = mesh.mesh.normal_indices.get(hit.face_ix as usize).is_some_and(|n| n[0] != u32::MAX);
+                let is_smooth = mesh.is_smooth(hit.face_ix);
+                let n = if is_smooth || moves || prim.flags & prim_flags::INVERTED != 0 {
+                    let [a, b, c] = mesh.corners_at(hit.face_ix, time);
+                    // Corners run counterclockwise seen from the front; a mirroring transform turns that round.
+                    let transform = moved.as_ref().unwrap_or(resting);
+                    transform.normal((b - a).cross(c - a)).try_normalize().unwrap_or(hit.normal)
+                } else {
+                    // A flat face's normal is that of its corners the other way round.
+                    -hit.normal
+                };
                 (n, if is_smooth { hit.normal } else { n })
             }
             None => (hit.normal, hit.normal),
@@ -105,10 +109,21 @@ impl<'s> Surface<'s> {
         let sign = if backfacing { -1.0 } else { 1.0 };
         let (v, flat, normal) = (-dir.as_vec3(), front * sign, smooth * sign);
         let seen_by = RaySort::Light;
-        Self { scene, hit, prim, v, flat, normal, backfacing, seen_by, mesh, transform, corners, time, fibre: None }
+        Self { scene, hit, prim, v, flat, normal, backfacing, seen_by, mesh, resting, moved, time, fibre: None }
+    }
+
+    /// World from the shape's space, at the ray's time.
+    fn transform(&self) -> &Transform {
+        self.moved.as_ref().unwrap_or(self.resting)
+    }
+
+    /// Of a mesh: the face's corners in its space, at that time.
+    fn corners(&self) -> [DVec3; 3] {
+        self.mesh.map_or([DVec3::ZERO; 3], |m| m.corners_at(self.hit.face_ix, self.time))
     }
 
     /// Seen by a sort of ray.
+    #[inline(always)]
     #[must_use]
     pub fn seen_by(self, seen_by: RaySort) -> Self {
         Self { seen_by, ..self }
@@ -119,7 +134,7 @@ impl<'s> Surface<'s> {
         let g = &self.scene.geometry;
         let motion = |t: f64| motion_at(g, self.prim, t);
         let Some(mesh) = self.mesh.filter(|m| m.moving.is_some()) else {
-            let moves = self.prim.flags & crate::compile::geometry::prim_flags::MOVING != 0;
+            let moves = self.prim.flags & prim_flags::MOVING != 0;
             return if moves { motion(time).point(motion(self.time).inverse_point(self.hit.point)) } else { self.hit.point };
         };
         let [a, b, c] = mesh.corners_at(self.hit.face_ix, time);
@@ -266,7 +281,7 @@ impl<'s> Surface<'s> {
     fn uv_derivatives(&self, set: u32, place: impl Fn(DVec2) -> DVec2) -> Option<(DVec3, DVec3)> {
         let mesh = self.mesh?;
         let (uvs, ix) = self.uv_corners(mesh, set)?;
-        let [p0, p1, p2] = self.corners;
+        let [p0, p1, p2] = self.corners();
         let uv = ix.map(|k| uvs.get(k as usize).map_or(DVec2::ZERO, |c| DVec2::new(c[0].into(), c[1].into())));
         let [c0, c1, c2] = uv.map(place);
         let (e1, e2, d1, d2) = (p1 - p0, p2 - p0, c1 - c0, c2 - c0);
@@ -274,7 +289,7 @@ impl<'s> Surface<'s> {
         if det == 0.0 {
             return None;
         }
-        Some((self.transform.vector((e1 * d2.y - e2 * d1.y) / det), self.transform.vector((e2 * d1.x - e1 * d2.x) / det)))
+        Some((self.transform().vector((e1 * d2.y - e2 * d1.y) / det), self.transform().vector((e2 * d1.x - e1 * d2.x) / det)))
     }
 
     /// [`Self::uv_axes`] of the flat face, and the gradients of u and v in world space.
@@ -292,7 +307,7 @@ impl<'s> Surface<'s> {
     /// Blender's default tangent: around the z axis of the object through the middle of its box.
     pub fn tangent(&self) -> Vec3 {
         let (local, center, size) = match self.mesh {
-            Some(m) => (self.transform.inverse_point(self.hit.point), 0.5 * (m.bounds.min + m.bounds.max), m.bounds.max - m.bounds.min),
+            Some(m) => (self.transform().inverse_point(self.hit.point), 0.5 * (m.bounds.min + m.bounds.max), m.bounds.max - m.bounds.min),
             None => {
                 let b = &self.scene.geometry.bounds[self.hit.prim_ix as usize];
                 (self.hit.point, 0.5 * (b.min + b.max), b.max - b.min)
@@ -300,7 +315,7 @@ impl<'s> Surface<'s> {
         };
         let g = (local - center) / size.max(DVec3::splat(1e-12));
         let around = DVec3::new(-g.y, g.x, 0.0);
-        let around = if self.mesh.is_some() { self.transform.normal(around) } else { around };
+        let around = if self.mesh.is_some() { self.transform().normal(around) } else { around };
         let n = self.normal;
         let along = around.cross(n);
         n.cross(along.try_normalize().unwrap_or_else(|| n.any_orthonormal_vector())).as_vec3()
@@ -311,11 +326,12 @@ impl<'s> Surface<'s> {
     pub fn raised_point(&self, outward: DVec3) -> DVec3 {
         let Some(mesh) = self.mesh else { return self.hit.point };
         let Some(ix) = mesh.mesh.normal_indices.get(self.hit.face_ix as usize).filter(|n| n[0] != u32::MAX) else { return self.hit.point };
-        let corners = self.corners;
+        let corners = self.corners();
         let b = self.hit.barycentric;
         let weights = [1.0 - b.x - b.y, b.x, b.y];
         let local = weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
-        let side = if self.transform.inverse_normal(outward).dot(self.transform.inverse_normal(self.normal)) < 0.0 { -1.0 } else { 1.0 };
+        let side =
+            if self.transform().inverse_normal(outward).dot(self.transform().inverse_normal(self.normal)) < 0.0 { -1.0 } else { 1.0 };
         let side = if self.backfacing { -side } else { side };
         let mut lift = DVec3::ZERO;
         for k in 0..3 {
@@ -323,12 +339,12 @@ impl<'s> Surface<'s> {
             let below = (local - corners[k]).dot(n).min(0.0);
             lift -= weights[k] * below * n;
         }
-        self.hit.point + self.transform.vector(lift)
+        self.hit.point + self.transform().vector(lift)
     }
 
     /// Whether the face has smooth normals.
     pub fn is_smooth(&self) -> bool {
-        self.mesh.is_some_and(|m| m.mesh.normal_indices.get(self.hit.face_ix as usize).is_some_and(|n| n[0] != u32::MAX))
+        self.mesh.is_some_and(|m| m.is_smooth(self.hit.face_ix))
     }
 
     /// The same seen from the other side.

@@ -7,7 +7,7 @@ use super::super::tree_words::choose_walk;
 use super::camera::{camera_params, camera_words, panorama_constants};
 use super::geometry::{FaceTables, OBJECT_INVERSE, OBJECT_TANGENTS, OBJECT_WORDS, encode_faces, face_bits, object_words};
 use super::inputs::{Encoder, input_constants};
-use super::lights::{encode_lights, light_constants, tree_quads};
+use super::lights::{encode_emitters, encode_lights, light_constants, tree_quads};
 use super::materials::{Room, encode_materials, material_constants};
 use super::tables::AlbedoTables;
 use super::volumes::{Volumes, camera_bodies, most_bodies, volume_constants};
@@ -63,7 +63,7 @@ impl PathBuffers {
             p.volumes_at = camera_bodies(scene, plan, &objects, &materials.volumes, &mut volumes, &mut e);
         }
         let faces = encode_faces(scene, plan, kind, &materials.clear, &objects, e.more_uvs)?;
-        p.emitters_at = append(&mut e.words, faces.emitters.iter().copied());
+        p.emitters_at = encode_emitters(&plan.lights.emitters.list, &faces.emitters, &mut e);
         p.n_faces = faces.faces.len() as u32;
         p.hair_at = faces.hair_at;
         // A grid's lists have no references before them: leaves name faces.
@@ -199,6 +199,7 @@ mod tests {
             &["film_alpha", "film_transparent", "environment"],
             &["clamps", "filter_glossy", "caustics_reflective", "caustics_refractive"],
             &["any_light", "light_tree", "emitters", "plain_emission"],
+            &["any_light", "light_tree", "emitters", "plain_emission", "rectangles", "volumes"],
             &["any_light", "light_tree", "emitters", "varying_emission", "plain_emission", "texels", "uv"],
             &["any_light", "light_tree", "tree_lamps", "lamps", "areas", "met_lamps", "shadowless", "light_visibility"],
             &["any_light", "light_tree", "tree_lamps", "lamps", "balls", "met_lamps", "smooth_faces"],

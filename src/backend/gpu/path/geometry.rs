@@ -42,8 +42,8 @@ pub(super) struct FaceTables {
     pub hung: Vec<u32>,
     /// Material and bits, place of what hangs on the corners, place of the object, emitter + 1.
     pub faces: Vec<[u32; 4]>,
-    /// Faces of the emitters.
-    pub emitters: Vec<u32>,
+    /// Faces of the emitters: the first, and of a rectangle the second.
+    pub emitters: Vec<[u32; 2]>,
     pub low: Vec3,
     pub high: Vec3,
     /// Bits of any face.
@@ -141,8 +141,8 @@ pub(super) fn encode_faces(
     out.has_motion = !keys.is_empty();
     let (mut of_keys, mut hair_ends): (Vec<[f32; 4]>, Vec<[f32; 4]>) = (Vec::new(), Vec::new());
     let emitter_of: HashMap<(u32, u32), u32> =
-        plan.lights.emitters.list.iter().enumerate().map(|(k, e)| ((e.prim_ix, e.face_ix), k as u32)).collect();
-    out.emitters = vec![0; plan.lights.emitters.list.len()];
+        plan.lights.emitters.list.iter().zip(0..).flat_map(|(e, k)| e.faces().map(move |face| ((e.prim_ix, face), k))).collect();
+    out.emitters = vec![[0; 2]; plan.lights.emitters.list.len()];
     for ix in &tree.order {
         let Face { prim_ix, face_ix, material } = list[*ix as usize];
         let prim = &g.prims[prim_ix as usize];
@@ -160,8 +160,9 @@ pub(super) fn encode_faces(
         bits |= flag_bits(prim.flags) | if clear[material as usize] { face_bits::CLEAR } else { 0 };
         let emitter = emitter_of.get(&(prim_ix, face_ix)).copied();
         if let Some(k) = emitter {
-            out.emitters[k as usize] = out.faces.len() as u32;
-            bits |= if plan.lights.emitters.list[k as usize].front_only { face_bits::FRONT_ONLY } else { 0 };
+            let own = &plan.lights.emitters.list[k as usize];
+            out.emitters[k as usize][(face_ix - own.face_ix) as usize] = out.faces.len() as u32;
+            bits |= if own.front_only { face_bits::FRONT_ONLY } else { 0 };
         }
         bits |= object_bits(scene, prim);
         let mut fourth = [0.0; 3];

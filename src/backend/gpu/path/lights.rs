@@ -4,6 +4,7 @@ use super::super::buffers::{append, bits, v3};
 use super::super::layout::PathParams;
 use super::inputs::Encoder;
 use crate::integrate::path::PathPlan;
+use crate::integrate::path::lights::emitter::Emitter;
 use crate::integrate::path::lights::environment::Kind;
 use crate::integrate::path::lights::grey;
 use crate::integrate::path::lights::lamp::ReadyLamp;
@@ -35,6 +36,8 @@ const LAMP: &[(&str, u32)] = &[
     // Rows of the map into the lamp's own space.
     ("INVERSE", 9),
 ];
+/// Words of a shining face: its place among the faces, that of the other half of a rectangle, place of the rectangle's words ([`LAMP`]) or 0.
+const EMITTER: &[(&str, u32)] = &[("FACE", 1), ("SECOND", 1), ("RECTANGLE", 1)];
 /// Bits beside those of visibility.
 const NO_SHADOW: u32 = 1 << 8;
 const NEVER_MET: u32 = 1 << 9;
@@ -48,16 +51,17 @@ const IS_AREA: u32 = 3;
 
 /// Names and numbers for the shaders.
 pub(super) fn light_constants() -> Vec<(String, u32)> {
-    let mut at = 0;
-    let places: Vec<(String, u32)> = LAMP
-        .iter()
-        .map(|(name, len)| {
+    let places = [("LAMP", LAMP), ("EMITTER", EMITTER)].into_iter().flat_map(|(record, words)| {
+        let mut at = 0;
+        let mut place = |len: &u32| {
             at += len;
-            (format!("LAMP_{name}"), at - len)
-        })
-        .collect();
+            at - len
+        };
+        let mut places: Vec<(String, u32)> = words.iter().map(|(name, len)| (format!("{record}_{name}"), place(len))).collect();
+        places.push((format!("{record}_WORDS"), at));
+        places
+    });
     let others = [
-        ("LAMP_WORDS", at),
         ("LAMP_NEVER_MET", NEVER_MET),
         ("LAMP_ELLIPSE", ELLIPSE),
         ("LAMP_FACES_POINT", FACES_POINT),
@@ -68,7 +72,7 @@ pub(super) fn light_constants() -> Vec<(String, u32)> {
         ("SKY_COLUMNS", COLUMNS as u32),
         ("SKY_ROWS", ROWS as u32),
     ];
-    places.into_iter().chain(others.map(|(n, v)| (n.to_owned(), v))).collect()
+    places.chain(others.map(|(n, v)| (n.to_owned(), v))).collect()
 }
 
 /// Encodes all lights but shining faces, which stand among the faces.
@@ -109,6 +113,32 @@ pub(super) fn encode_lights(plan: &PathPlan, e: &mut Encoder, p: &mut PathParams
     need("many_kinds", kinds.iter().filter(|k| **k).count() > 1 || !l.suns.is_empty() || l.sky_sun.is_some());
     need("environment", env.strength.max_element() > 0.0 && env.visibility.0 & 31 != 0);
     encode_environment(plan, e, p);
+}
+
+/// Shining faces, of the places among the faces that stand in `places`; gives where they begin.
+pub(super) fn encode_emitters(list: &[Emitter], places: &[[u32; 2]], e: &mut Encoder) -> u32 {
+    let words: Vec<u32> = list
+        .iter()
+        .zip(places)
+        .flat_map(|(emitter, [first, second])| {
+            let Some(r) = &emitter.rectangle else { return [*first, *first, 0] };
+            e.features.insert("rectangles");
+            // What a lamp needs to be seen as a rectangle; the rest is the faces'.
+            let mut w = vec![0; LAMP.iter().map(|f| f.1).sum::<u32>() as usize];
+            let numbers = [
+                ("CENTER", v3(r.center).to_vec()),
+                ("AREA", vec![r.area as f32]),
+                ("HALF0", v3(r.half[0]).to_vec()),
+                ("HALF1", v3(r.half[1]).to_vec()),
+            ];
+            for (name, values) in numbers {
+                let at: u32 = LAMP.iter().take_while(|f| f.0 != name).map(|f| f.1).sum();
+                values.into_iter().zip(at as usize..).for_each(|(v, k)| w[k] = v.to_bits());
+            }
+            [*first, *second, append(&mut e.words, w)]
+        })
+        .collect();
+    append(&mut e.words, words)
 }
 
 fn leaf_of(plan: &PathPlan, k: usize) -> u32 {

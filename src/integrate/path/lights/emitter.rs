@@ -1,10 +1,12 @@
-//! Shining triangles of meshes as lights.
+//! Shining triangles of meshes as lights; two that make up a rectangle and shine alike are one.
 
+use super::rectangle::Rectangle;
 use super::tree::TreeLight;
 use super::{LightSample, triangle};
 use crate::compile::CompiledScene;
 use crate::compile::geometry::{PrimKind, prim_flags};
 use crate::compile::merged::{MergedMeshes, world_corner};
+use crate::compile::shape::MeshShape;
 use crate::compile::texture::TextureNode;
 use crate::integrate::path::closure::{emission, plain_emission};
 use crate::integrate::path::surface::Surface;
@@ -34,6 +36,8 @@ pub struct Emitter {
     moves: bool,
     /// What it shines with, where that is the same everywhere and in all directions.
     even: Option<Rgb>,
+    /// It is a rectangle, of this face and the next.
+    pub rectangle: Option<Rectangle>,
 }
 
 /// All of them.
@@ -157,20 +161,33 @@ impl Emitters {
                 if moves {
                     bounds = g.bounds[prim_ix];
                 }
-                by_face.insert(face as u32, all.list.len() as u32);
-                lights.push(TreeLight {
+                let even = shaders[shader as usize].surface.as_ref().and_then(plain_emission).filter(|e| e[0] == e[1]).map(|e| e[0]);
+                let (prim_ix, face_ix) = (prim_ix as u32, face as u32);
+                let light = TreeLight {
                     bounds,
                     axis: normal,
                     spread_rad: if front_only && !moves { 0.0 } else { PI },
                     reach_rad: 0.5 * PI,
                     energy: radiances[shader as usize] * area,
-                });
-                let even = shaders[shader as usize].surface.as_ref().and_then(plain_emission).filter(|e| e[0] == e[1]).map(|e| e[0]);
-                let (prim_ix, face_ix) = (prim_ix as u32, face as u32);
-                all.list.push(Emitter { prim_ix, face_ix, shader, corners, normal, area, front_only, moves, even });
+                };
+                let emitter = Emitter { prim_ix, face_ix, shader, corners, normal, area, front_only, moves, even, rectangle: None };
+                // Neighbours only: exporters cut quads into faces that follow each other.
+                let half = all.list.get_mut(first as usize..).and_then(|own| own.last_mut());
+                match half.and_then(|half| half.joined(&emitter).map(|r| (half, r))) {
+                    Some((half, rectangle)) => {
+                        half.rectangle = Some(rectangle);
+                        let whole: &mut TreeLight = lights.last_mut().expect("an emitter has a light");
+                        (whole.bounds, whole.energy) = (whole.bounds.union(light.bounds), whole.energy + light.energy);
+                    }
+                    None => {
+                        all.list.push(emitter);
+                        lights.push(light);
+                    }
+                }
+                by_face.insert(face as u32, all.list.len() as u32 - 1);
             }
             if !by_face.is_empty() {
-                let all_faces = by_face.len() == mesh.faces.len();
+                let all_faces = all.list.len() - first as usize == mesh.faces.len();
                 all.first.insert(prim_ix as u32, (first, (!all_faces).then_some(by_face)));
             }
         }
@@ -188,6 +205,16 @@ impl Emitters {
 }
 
 impl Emitter {
+    /// The rectangle that it makes up with the next triangle.
+    fn joined(&self, next: &Self) -> Option<Rectangle> {
+        let alike = self.rectangle.is_none()
+            && self.face_ix + 1 == next.face_ix
+            && self.shader == next.shader
+            && self.even.is_some()
+            && !(self.moves || next.moves);
+        if alike { Rectangle::of(&self.corners, &next.corners) } else { None }
+    }
+
     fn corners_at(&self, scene: &CompiledScene, time: f64) -> ([DVec3; 3], DVec3, f64) {
         if !self.moves {
             return (self.corners, self.normal, self.area);
@@ -202,13 +229,27 @@ impl Emitter {
         (c, (sign * cross).normalize_or(self.normal), 0.5 * cross.length())
     }
 
+    /// The faces that it is of.
+    pub fn faces(&self) -> std::ops::RangeInclusive<u32> {
+        self.face_ix..=self.face_ix + u32::from(self.rectangle.is_some())
+    }
+
     /// Its middle, at rest.
     pub fn center(&self) -> DVec3 {
-        (self.corners[0] + self.corners[1] + self.corners[2]) / 3.0
+        self.rectangle.map_or_else(|| (self.corners[0] + self.corners[1] + self.corners[2]) / 3.0, |r| r.center)
     }
 
     /// A point of it as seen from `from`.
     pub fn sample(&self, scene: &CompiledScene, shaders: &[Arc<Shader>], from: DVec3, time: f64, [u, v]: [f32; 2]) -> Option<LightSample> {
+        if let (Some(rectangle), Some(radiance)) = (&self.rectangle, self.even) {
+            let (to, density) = rectangle.sample(from, [u.into(), v.into()]);
+            let d_sq = to.length_squared();
+            let distance = d_sq.sqrt();
+            let dir = to / distance;
+            let cos = self.lit_cos(self.normal, dir, distance)?;
+            let pdf = density.unwrap_or_else(|| triangle::density_by_area(rectangle.area, d_sq, cos)) as f32;
+            return Some(LightSample { dir, distance, radiance, pdf, ..LightSample::NONE });
+        }
         let (c, normal, area) = self.corners_at(scene, time);
         let drawn = triangle::sample(c, from, [u.into(), v.into()]);
         let [b1, b2] = drawn.weights;
@@ -217,17 +258,15 @@ impl Emitter {
         let d_sq = to.length_squared();
         let distance = d_sq.sqrt();
         let dir = to / distance;
-        let cos = -dir.dot(normal);
-        if cos == 0.0 || !(distance > 0.0) || (self.front_only && cos < 0.0) {
-            return None;
-        }
+        let cos = self.lit_cos(normal, dir, distance)?;
         let radiance = self.even.unwrap_or_else(|| {
             let hit = SurfaceHit {
                 t: distance,
                 prim_ix: self.prim_ix,
                 face_ix: self.face_ix,
                 point,
-                normal,
+                // As rays have it that meet flat faces.
+                normal: if self.shape(scene).is_smooth(self.face_ix) { normal } else { -normal },
                 uv: self.uv(scene, b1, b2),
                 barycentric: DVec2::new(b1, b2),
             };
@@ -238,19 +277,28 @@ impl Emitter {
         Some(LightSample { dir, distance, radiance, pdf, ..LightSample::NONE })
     }
 
+    /// Cosine at which light leaves towards where `dir` comes from, if any does; `normal` is the front's.
+    fn lit_cos(&self, normal: DVec3, dir: DVec3, distance: f64) -> Option<f64> {
+        let cos = -dir.dot(normal);
+        (cos != 0.0 && distance > 0.0 && !(self.front_only && cos < 0.0)).then_some(cos)
+    }
+
     /// Density with which [`Self::sample`] draws a hit by a ray from `from` along `dir` of length `t`.
     pub fn density(&self, scene: &CompiledScene, from: DVec3, dir: DVec3, t: f64, time: f64) -> f32 {
-        let (corners, normal, area) = self.corners_at(scene, time);
-        let cos = -dir.dot(normal);
-        if self.front_only && cos < 0.0 {
-            return 0.0;
+        if let Some(rectangle) = &self.rectangle {
+            return self.lit_cos(self.normal, dir, t).map_or(0.0, |cos| rectangle.density(from, t * t, cos) as f32);
         }
-        triangle::density(corners, from, area, t * t, cos) as f32
+        let (corners, normal, area) = self.corners_at(scene, time);
+        self.lit_cos(normal, dir, t).map_or(0.0, |cos| triangle::density(corners, from, area, t * t, cos) as f32)
+    }
+
+    fn shape<'s>(&self, scene: &'s CompiledScene) -> &'s MeshShape {
+        let g = &scene.geometry;
+        &g.shapes.meshes[g.prims[self.prim_ix as usize].shape_ix as usize]
     }
 
     fn uv(&self, scene: &CompiledScene, b1: f64, b2: f64) -> DVec2 {
-        let g = &scene.geometry;
-        let mesh = &g.shapes.meshes[g.prims[self.prim_ix as usize].shape_ix as usize].mesh;
+        let mesh = &self.shape(scene).mesh;
         let Some(ix) = mesh.uv_indices.get(self.face_ix as usize) else { return DVec2::ZERO };
         let c = ix.map(|k| mesh.uvs.get(k as usize).map_or(DVec2::ZERO, |c| DVec2::new(c[0].into(), c[1].into())));
         (1.0 - b1 - b2) * c[0] + b1 * c[1] + b2 * c[2]

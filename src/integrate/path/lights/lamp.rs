@@ -1,14 +1,18 @@
 //! Lamps with a size, in Cycles' units: drawing a point of one as seen from a place, its density, and rays that meet one by chance.
 //!
-//! Source of the units: measured (docs/path.md). Rectangles by Ureña, Fajardo and King 2013.
+//! Source of the units: measured (docs/path.md).
 
 use super::LightSample;
+use super::rectangle::{SeenRectangle, Sides};
 use crate::kernel::bsdf::frame::disc;
 use crate::kernel::light::smoothstep;
 use crate::math::{DVec3, Rgb};
 use crate::scene::Lamp;
 use crate::scene::lamp::LampShape;
 use std::f64::consts::PI;
+
+/// Area lamps seen smaller than that (sr) are drawn by area.
+const LEAST_SOLID_ANGLE: f64 = 1e-4;
 
 /// A lamp in world space.
 #[derive(Clone, Debug)]
@@ -33,6 +37,8 @@ pub struct ReadyLamp {
     pub half_spread: f64,
     /// Cosine of the widest part of a spot's cone, which a scale may make elliptic.
     widest: f64,
+    /// Of a rectangle.
+    sides: Option<Sides>,
 }
 
 impl ReadyLamp {
@@ -54,6 +60,7 @@ impl ReadyLamp {
             soft: 0.0,
             half_spread: 0.5 * PI,
             widest: -1.0,
+            sides: None,
         };
         match lamp.shape {
             LampShape::Point { radius, .. } | LampShape::Spot { radius, .. } => {
@@ -86,6 +93,7 @@ impl ReadyLamp {
                 if !(ready.area > 0.0) {
                     return None;
                 }
+                ready.sides = if ellipse { None } else { Sides::new(ready.half) };
                 ready.radiance = lamp.power * (1.0 / (PI * ready.area)) as f32;
                 ready.half_spread = (0.5 * spread_rad).clamp(1e-3, 0.5 * PI);
                 if ready.half_spread < 0.5 * PI - 1e-6 {
@@ -154,6 +162,11 @@ impl ReadyLamp {
         }
     }
 
+    /// A rectangle that stands at `to` from the viewer, where it is drawn by solid angle.
+    fn seen_rectangle(&self, to: DVec3) -> Option<SeenRectangle<'_>> {
+        SeenRectangle::new(to, self.sides.as_ref()?, LEAST_SOLID_ANGLE)
+    }
+
     /// A point of it as seen from `from`.
     pub fn sample(&self, from: DVec3, [u, v]: [f32; 2]) -> Option<LightSample> {
         let made = |dir: DVec3, distance: f64, factor: f64, pdf: f64, is_delta: bool| {
@@ -209,7 +222,7 @@ impl ReadyLamp {
                     return None;
                 }
                 let to = self.center - from;
-                if let (false, Some(rectangle)) = (ellipse, SeenRectangle::new(to, self.half)) {
+                if let Some(rectangle) = self.seen_rectangle(to) {
                     let point = rectangle.sample(f64::from(u), f64::from(v));
                     let distance = point.length();
                     let dir = point / distance;
@@ -280,10 +293,7 @@ impl ReadyLamp {
                 if outside {
                     return None;
                 }
-                let pdf = match SeenRectangle::new(to, self.half) {
-                    Some(r) if !ellipse => 1.0 / r.solid_angle,
-                    _ => t * t / (cos * self.area),
-                };
+                let pdf = self.seen_rectangle(to).map_or_else(|| t * t / (cos * self.area), |r| 1.0 / r.solid_angle);
                 found(t, self.beam(-dir), pdf)
             }
         }
@@ -305,64 +315,6 @@ pub fn cone_sample(axis: DVec3, cos_half: f64, u: f32, v: f32) -> DVec3 {
     let (t, b) = axis.any_orthonormal_pair();
     let k = if r_sq > 0.0 { sin / r_sq.sqrt() } else { 0.0 };
     (axis * cos + t * (k * x) + b * (k * y)).normalize()
-}
-
-/// A rectangle as seen from the origin.
-struct SeenRectangle {
-    x: DVec3,
-    y: DVec3,
-    z: DVec3,
-    z0: f64,
-    x0: f64,
-    y0: f64,
-    y1: f64,
-    x1: f64,
-    b0: f64,
-    b1: f64,
-    k: f64,
-    solid_angle: f64,
-}
-
-impl SeenRectangle {
-    /// Centre `to` relative to the viewer; `None` for skewed ones and those seen so small that area sampling is as good.
-    fn new(to: DVec3, half: [DVec3; 2]) -> Option<Self> {
-        let (lx, ly) = (half[0].length(), half[1].length());
-        if half[0].dot(half[1]).abs() > 1e-6 * lx * ly {
-            return None;
-        }
-        let (x, y) = (half[0] / lx, half[1] / ly);
-        let corner = to - half[0] - half[1];
-        let mut z = x.cross(y);
-        let mut z0 = corner.dot(z);
-        if z0 > 0.0 {
-            z = -z;
-            z0 = -z0;
-        }
-        let (x0, y0) = (corner.dot(x), corner.dot(y));
-        let (x1, y1) = (x0 + 2.0 * lx, y0 + 2.0 * ly);
-        let corners = [DVec3::new(x0, y0, z0), DVec3::new(x1, y0, z0), DVec3::new(x1, y1, z0), DVec3::new(x0, y1, z0)];
-        let n: [DVec3; 4] = std::array::from_fn(|i| corners[i].cross(corners[(i + 1) % 4]).normalize_or_zero());
-        let g: [f64; 4] = std::array::from_fn(|i| (-n[i].dot(n[(i + 1) % 4])).clamp(-1.0, 1.0).acos());
-        let solid_angle = g.iter().sum::<f64>() - 2.0 * PI;
-        if !(solid_angle > 1e-4) {
-            return None;
-        }
-        let k = 2.0 * PI - g[2] - g[3];
-        Some(Self { x, y, z, z0, x0, y0, x1, y1, b0: n[0].z, b1: n[2].z, k, solid_angle })
-    }
-
-    fn sample(&self, u: f64, v: f64) -> DVec3 {
-        let au = u * self.solid_angle + self.k;
-        let fu = (au.cos() * self.b0 - self.b1) / au.sin();
-        let cu = (1.0f64.copysign(fu) / (fu * fu + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);
-        let xu = (-(cu * self.z0) / (1.0 - cu * cu).max(1e-18).sqrt()).clamp(self.x0, self.x1);
-        let d = (xu * xu + self.z0 * self.z0).sqrt();
-        let h0 = self.y0 / (d * d + self.y0 * self.y0).sqrt();
-        let h1 = self.y1 / (d * d + self.y1 * self.y1).sqrt();
-        let hv = h0 + v * (h1 - h0);
-        let yv = if hv * hv < 1.0 - 1e-12 { hv * d / (1.0 - hv * hv).sqrt() } else { self.y1 };
-        self.x * xu + self.y * yv.clamp(self.y0, self.y1) + self.z * self.z0
-    }
 }
 
 #[cfg(test)]

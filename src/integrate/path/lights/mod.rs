@@ -6,6 +6,7 @@
 pub mod emitter;
 pub mod environment;
 pub mod lamp;
+pub mod rectangle;
 pub mod sky;
 #[cfg(test)]
 mod tests;
