@@ -3,6 +3,7 @@
 use super::slabs::SlabRay;
 use super::{AccelStats, BoxF, can_meet, nearest_of};
 use crate::math::Ray;
+use arrayvec::ArrayVec;
 
 /// Marks a leaf in [`BvhNode::child`].
 pub const BVH_LEAF: u32 = 1 << 31;
@@ -164,11 +165,11 @@ impl Bvh {
         all.filter(|c| c.is_inner() || c.count > 0)
     }
 
-    /// What stands below a node when its children are opened until there are `width`: the largest first, which rays most likely go into.
-    pub(super) fn opened(&self, node_ix: u32, width: usize) -> Vec<BvhChild> {
-        let mut open = Vec::with_capacity(width + 1);
+    /// What stands below a node when its children are opened until there are `WIDTH`: the largest first, which rays most likely go into.
+    pub(super) fn opened<const WIDTH: usize>(&self, node_ix: u32) -> ArrayVec<BvhChild, WIDTH> {
+        let mut open = ArrayVec::new();
         open.extend(self.children(node_ix));
-        while open.len() < width {
+        while open.len() < WIDTH {
             let inner = (0..open.len()).filter(|k| open[*k].is_inner());
             let Some(k) = inner.max_by(|a, b| open[*a].bounds.half_area().total_cmp(&open[*b].bounds.half_area())) else { break };
             let parent = open.swap_remove(k);

@@ -42,7 +42,7 @@ impl Collapse<'_> {
     /// Appends the wide node in place of a binary one; gives its index.
     fn node(&mut self, node_ix: u32, depth: usize) -> u32 {
         self.depth = self.depth.max(depth);
-        let open = self.binary.opened(node_ix, WIDTH);
+        let open = self.binary.opened::<WIDTH>(node_ix);
         let at = self.nodes.len();
         self.nodes.push(Bvh8Node::EMPTY);
         for (c, o) in open.iter().enumerate() {

@@ -4,7 +4,7 @@
 
 use super::bvh::{BVH_LEAF, MAX_DEPTH};
 use super::bvh_bins::{BinMap, Bins, Box4, CHUNK, N_BINS, Ref, Scratch, box_of, center, centers_of, partition};
-use super::bvh_runs::LEAST;
+use super::bvh_runs::Runs;
 use super::{AccelOptions, AccelStats, BoxF, Bvh, BvhNode, PrimRef, PrimSet, seconds_since};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -27,6 +27,8 @@ pub(super) struct Builder {
     pub(super) intersect_cost: f64,
     pub(super) max_leaf: usize,
     pub(super) pack: usize,
+    /// Trees over boxes of many primitives: so many bins are not worth it.
+    pub(super) few_bins: bool,
     /// Added to side lengths, so that flat and thin boxes have an area.
     pub(super) thin: f64,
     /// 1 / area of the root.
@@ -37,9 +39,11 @@ impl Bvh {
     /// Builds over all primitives with usable bounds.
     pub fn build(prims: &impl PrimSet, options: &AccelOptions) -> Self {
         let start = Instant::now();
-        let mut refs = usable_refs(prims);
+        let mut runs = if options.in_runs { Runs::new(prims) } else { None };
+        let mut all = if runs.is_none() { usable_refs(prims) } else { Vec::new() };
+        let refs = runs.as_ref().map_or(&all, |r| &r.refs);
         let n = refs.len();
-        let bounds = box_of(&refs).to_boxf();
+        let bounds = box_of(refs).to_boxf();
         let mut tree = Subtree::default();
         if n > 0 {
             let thin = 1e-6 * (0..3).map(|k| f64::from(bounds.hi[k]) - f64::from(bounds.lo[k])).fold(1e-100, f64::max);
@@ -47,12 +51,15 @@ impl Bvh {
                 intersect_cost: options.intersect_cost,
                 max_leaf: options.max_leaf.max(1),
                 pack: options.pack.max(1),
+                few_bins: false,
                 thin,
                 per_root_area: 1.0,
             };
             b.per_root_area = 1.0 / b.area(&bounds);
-            let in_runs = if options.in_runs && n >= LEAST { b.in_runs(&mut refs, &bounds, &mut tree) } else { None };
-            let (child, count) = in_runs.unwrap_or_else(|| b.node(&mut refs, 0, &bounds, 0, &mut tree, &mut Scratch::new()));
+            let (child, count) = match &mut runs {
+                Some(runs) => b.in_runs(runs, &bounds, &mut tree),
+                None => b.node(&mut all, 0, &bounds, 0, &mut tree, &mut Scratch::new()),
+            };
             if tree.nodes.is_empty() {
                 // All in one leaf: its sibling is a point without primitives.
                 let point = BoxF { lo: bounds.lo, hi: bounds.lo };
@@ -71,6 +78,7 @@ impl Bvh {
             build_seconds: seconds_since(start),
             n_bytes: tree.nodes.len() * size_of::<BvhNode>() + n * 4,
         };
+        let refs = runs.map_or(all, |r| r.refs);
         Self { nodes: tree.nodes, refs: refs.iter().map(Ref::prim).collect(), bounds, stats }
     }
 }
@@ -105,7 +113,14 @@ impl Builder {
     /// Bins of an axis for a node of `n`. Where packs end the tree early, few do as well for small nodes, and most nodes are small.
     #[inline]
     fn n_bins(&self, n: usize) -> usize {
-        (if self.pack > 1 { 4 + n / 4 } else { 4 + 2 * n }).min(N_BINS)
+        let n_bins = if self.few_bins {
+            3 + n
+        } else if self.pack > 1 {
+            4 + n / 4
+        } else {
+            4 + 2 * n
+        };
+        n_bins.min(N_BINS)
     }
 
     /// Appends the subtree of `refs`, whose first stands at `first` in the whole list and whose box is `bounds`.

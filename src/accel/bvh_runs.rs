@@ -5,14 +5,15 @@
 //! curve); Pantaleoni and Luebke 2010 (HLBVH, SAH above it).
 
 use super::bvh::MAX_DEPTH;
-use super::bvh_bins::{Box4, CHUNK, Ref, Scratch, box_of, centers_of};
+use super::bvh_bins::{Box4, CHUNK, Ref, Scratch, box_of};
 use super::bvh_build::{Builder, Child, Subtree};
-use super::{BVH_LEAF, BoxF, BvhNode, PrimRef};
+use super::{BVH_LEAF, BoxF, BvhNode, PrimRef, PrimSet};
+use glam::Vec4;
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// Fewer primitives are built over by SAH alone.
-pub(super) const LEAST: usize = 1 << 13;
+const LEAST: usize = 1 << 13;
 /// Most primitives of a run, but for those whose place on the curve is one.
 const LONGEST: usize = 32;
 /// Longer runs stand for primitives that the curve cannot tell apart: SAH does.
@@ -21,6 +22,8 @@ const TOO_LONG: usize = 1 << 20;
 const BITS: u32 = 10;
 /// Levels that are kept for what is below the runs.
 const LEVELS_BELOW: usize = 24;
+/// Of what is no place.
+const NO_PLACE: u64 = u64::MAX;
 /// Runs that a thread takes up at once.
 const GROUP: usize = 1 << 11;
 
@@ -33,18 +36,24 @@ fn spread(v: u32) -> u32 {
     (v | v << 2) & 0x0924_9249
 }
 
-/// Places along the curve, above the index of each reference.
-fn places(refs: &[Ref]) -> Vec<u64> {
-    let centers = centers_of(refs);
-    let size = (0..3).map(|k| centers.hi[k] - centers.lo[k]).fold(0.0, f32::max);
+/// Places along the curve, above the number of each primitive; those of no use are left out.
+fn places(prims: &impl PrimSet) -> Vec<u64> {
+    let center = |k: usize| prims.boxed(k).map(|b| Vec4::new(b.lo[0] + b.hi[0], b.lo[1] + b.hi[1], b.lo[2] + b.hi[2], 0.0));
+    let all = (0..prims.len()).into_par_iter().with_min_len(CHUNK);
+    let grown = |(lo, hi): (Vec4, Vec4), (a, b): (Vec4, Vec4)| (lo.min(a), hi.max(b));
+    let none = || (Vec4::INFINITY, Vec4::NEG_INFINITY);
+    let (lo, hi) = all.clone().fold(none, |b, k| center(k).map_or(b, |c| grown(b, (c, c)))).reduce(none, grown);
     // Cells are cubes. Just below, so that the last one is the last cell.
-    let scale = ((1 << BITS) as f32 * 0.999_99 / size).min(f32::MAX);
-    let lo = glam::Vec4::new(centers.lo[0], centers.lo[1], centers.lo[2], 0.0);
-    let place = |(k, r): (usize, &Ref)| {
-        let cell = ((r.center() - lo) * scale).to_array().map(|v| (v as i32 as u32).min((1 << BITS) - 1));
+    let scale = ((1 << BITS) as f32 * 0.999_99 / (hi - lo).truncate().max_element()).min(f32::MAX);
+    let place = |k: usize| {
+        let Some(c) = center(k) else { return NO_PLACE };
+        let cell = ((c - lo) * scale).to_array().map(|v| (v as i32 as u32).min((1 << BITS) - 1));
         u64::from(spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2) << 32 | k as u64
     };
-    refs.par_iter().enumerate().with_min_len(CHUNK).map(place).collect()
+    let mut places = Vec::new();
+    all.map(place).collect_into_vec(&mut places);
+    places.retain(|p| *p != NO_PLACE);
+    places
 }
 
 /// Sorts by the upper half; what is equal stays in order.
@@ -104,23 +113,45 @@ fn part_large(refs: &mut [Ref], run: Range<usize>, thin: f32, out: &mut Vec<(Ran
     }
 }
 
-impl Builder {
-    /// As [`Builder::node`] of all references; they are left in the order of the leaves. `None` where the curve cannot tell them apart.
-    pub(super) fn in_runs(&self, refs: &mut Vec<Ref>, bounds: &BoxF, out: &mut Subtree) -> Option<Child> {
-        let sorted = sort_by_place(places(refs));
-        let mut cuts = Vec::with_capacity(refs.len() / 8);
-        cut(&sorted, 0, &mut cuts);
-        if cuts.iter().any(|r| r.len() > TOO_LONG) {
+/// Primitives in the order of the curve, and its runs.
+pub(super) struct Runs {
+    pub refs: Vec<Ref>,
+    cuts: Vec<Range<usize>>,
+}
+
+impl Runs {
+    /// `None` where there are few, or where the curve cannot tell them apart.
+    pub fn new(prims: &impl PrimSet) -> Option<Self> {
+        if prims.len() < LEAST {
             return None;
         }
-        *refs = sorted.par_iter().with_min_len(CHUNK).map(|p| refs[*p as u32 as usize]).collect();
-        drop(sorted);
+        let sorted = sort_by_place(places(prims));
+        let mut cuts = Vec::with_capacity(sorted.len() / 8);
+        if !sorted.is_empty() {
+            cut(&sorted, 0, &mut cuts);
+        }
+        if cuts.len() < 2 || cuts.iter().any(|r| r.len() > TOO_LONG) {
+            return None;
+        }
+        let placed = |p: &u64| {
+            let prim = *p as u32;
+            Ref::new(&PrimRef { bounds: prims.boxed(prim as usize).expect("it has a place"), prim })
+        };
+        let mut refs = Vec::new();
+        sorted.par_iter().with_min_len(CHUNK).map(placed).collect_into_vec(&mut refs);
+        Some(Self { refs, cuts })
+    }
+}
+
+impl Builder {
+    /// As [`Builder::node`] of all references; they are left in the order of the leaves.
+    pub(super) fn in_runs(&self, Runs { refs, cuts }: &mut Runs, bounds: &BoxF, out: &mut Subtree) -> Child {
         let mut runs = Vec::with_capacity(cuts.len() + cuts.len() / 8);
-        cuts.into_iter().for_each(|r| part_large(refs, r, self.thin as f32, &mut runs));
+        cuts.drain(..).for_each(|r| part_large(refs, r, self.thin as f32, &mut runs));
         // What is below the runs first: it knows nothing of what is above.
         let below = self.below(refs, &runs);
         let mut tops: Vec<Ref> = runs.iter().zip(0..).map(|((_, bounds), prim)| Ref::new(&PrimRef { bounds: *bounds, prim })).collect();
-        let upper = Builder { max_leaf: 1, pack: 1, ..*self };
+        let upper = Builder { max_leaf: 1, pack: 1, few_bins: true, ..*self };
         let mut tree = Subtree::default();
         let root = upper.node(&mut tops, 0, bounds, LEVELS_BELOW, &mut tree, &mut Scratch::new());
         // Each leaf of the upper tree becomes what is below its run.
@@ -159,7 +190,7 @@ impl Builder {
         // The deepest of both: no leaf is deeper.
         tree.depth = tree.depth - LEVELS_BELOW + depth;
         *out = tree;
-        Some(root)
+        root
     }
 
     /// Trees of the runs, many runs a group.
@@ -200,15 +231,17 @@ impl Builder {
             out.cost += share * self.leaf_cost(n);
             (BVH_LEAF | first as u32, n as u32)
         };
-        if n == 1 {
-            return leaf(out);
-        }
-        let n_tests = |n: usize| n.div_ceil(self.pack) as f32;
         let thin = self.thin as f32;
         let area = |b: &Box4| {
             let s = b.hi - b.lo + thin;
             s.x * s.y + s.y * s.z + s.z * s.x
         };
+        // Where parting costs too much whatever the cut: both parts together are no smaller than any of them.
+        let least = (self.leaf_cost(n) - 1.0) / self.intersect_cost * self.area(bounds);
+        if n == 1 || n <= self.max_leaf && refs.iter().any(|r| f64::from(area(r.bounds())) >= least) {
+            return leaf(out);
+        }
+        let n_tests = |n: usize| n.div_ceil(self.pack) as f32;
         // By first reference: the box of all from it on.
         let mut above = [Box4::EMPTY; LONGEST];
         let mut right = Box4::EMPTY;
@@ -255,7 +288,7 @@ struct Group {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::{AccelOptions, Bvh, PrimSet, TrianglePrims};
+    use crate::accel::{AccelOptions, Bvh, TrianglePrims};
     use crate::math::Vec3;
     use crate::math::sobol::Pcg;
 

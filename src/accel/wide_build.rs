@@ -34,7 +34,7 @@ impl Builder<'_> {
     /// Fills node `at` with what comes of opening a binary node.
     fn node(&mut self, at: usize, node_ix: u32, depth: usize) {
         self.depth = self.depth.max(depth);
-        let children = self.bvh.opened(node_ix, 8);
+        let children = self.bvh.opened::<8>(node_ix);
         let all = children.iter().fold(BoxF::EMPTY, |b, c| b.merged(c.bounds));
         let mut node = WideNode { origin: all.lo.map(f32::to_bits), first_ref: self.refs.len() as u32, ..WideNode::default() };
         for k in 0..3 {

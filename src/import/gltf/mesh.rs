@@ -180,7 +180,7 @@ pub(super) fn triangles(
         return Ok(None);
     }
     Ok(Some(Mesh {
-        normal_indices: if normals.is_empty() { Vec::new() } else { faces.clone() },
+        normal_indices: if normals.is_empty() { Vec::new() } else { smooth_faces(&faces, &vertices, &normals, motion.is_empty()) },
         uv_indices: if uvs.is_empty() { Vec::new() } else { faces.clone() },
         more_uvs: more_uvs.into_iter().map(|uvs| UvSet { uvs, indices: faces.clone() }).collect(),
         motion,
@@ -191,6 +191,23 @@ pub(super) fn triangles(
         colors,
         ..Mesh::default()
     }))
+}
+
+/// Whose corners have which normals: no normals for flat faces at rest, whose corners have the face's own; what is left to work out at each hit is
+/// less, and no point is raised where light grazes. Empty where all are flat.
+fn smooth_faces(faces: &[[u32; 3]], vertices: &[Vec3], normals: &[Vec3], at_rest: bool) -> Vec<[u32; 3]> {
+    let is_flat = |f: &[u32; 3]| {
+        let [a, b, c] = f.map(|k| vertices[k as usize]);
+        let n = f.map(|k| normals[k as usize]);
+        // As near as 32 bits tell: a hundredth of a degree.
+        let (own, n0) = ((b - a).cross(c - a), n[0]);
+        n0 == n[1] && n0 == n[2] && own.dot(n0) > 0.0 && own.cross(n0).length_squared() < 4e-8 * own.length_squared()
+    };
+    if !at_rest || !faces.iter().any(is_flat) {
+        return faces.to_vec();
+    }
+    let of: Vec<[u32; 3]> = faces.iter().map(|f| if is_flat(f) { [u32::MAX; 3] } else { *f }).collect();
+    if of.iter().all(|f| f[0] == u32::MAX) { Vec::new() } else { of }
 }
 
 fn gathered<const N: usize>(a: &Accessor, used: Option<&[u32]>, rest: f32) -> Vec<[f32; N]> {

@@ -43,6 +43,7 @@ impl Sampler {
     }
 
     /// Numbers at the `step`th event of the path.
+    #[inline]
     pub fn at(&self, step: u32, set: Set) -> [f32; 4] {
         sobol4(self.seed, self.index, CAMERA_SETS + SETS * step + set as u32)
     }

@@ -55,6 +55,7 @@ fn hair_of<'s>(scene: &'s CompiledScene, prim: &Prim) -> Option<&'s HairShape> {
 
 impl<'s> Surface<'s> {
     /// Of a hit by a ray along `dir` (unit) at `time`.
+    #[inline]
     pub fn new(scene: &'s CompiledScene, hit: SurfaceHit, dir: DVec3, time: f64) -> Self {
         let g = &scene.geometry;
         let prim = &g.prims[hit.prim_ix as usize];

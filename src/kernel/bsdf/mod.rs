@@ -348,11 +348,13 @@ impl LobeSet {
     }
 
     /// Value and density of a direction.
+    #[inline]
     pub fn eval(&self, v: Vec3, l: Vec3) -> (Rgb, f32) {
         self.eval_but(v, l, usize::MAX, false)
     }
 
     /// Value and density for a light that only some kinds of rays see; the density is that of all lobes.
+    #[inline]
     pub fn eval_for(&self, v: Vec3, l: Vec3, visibility: Visibility) -> (Rgb, f32) {
         let all = Visibility::DIFFUSE.with(Visibility::GLOSSY).with(Visibility::TRANSMISSION);
         if visibility.has(all) {
@@ -423,6 +425,7 @@ impl LobeSet {
         })
     }
 
+    #[inline]
     fn eval_but(&self, v: Vec3, l: Vec3, skip: usize, met: bool) -> (Rgb, f32) {
         let (mut value, mut pdf) = (Vec3::ZERO, 0.0);
         for (_, lobe) in self.lobes().enumerate().filter(|(k, _)| *k != skip) {

@@ -240,6 +240,7 @@ impl Emitter {
     }
 
     /// A point of it as seen from `from`.
+    #[inline]
     pub fn sample(&self, scene: &CompiledScene, shaders: &[Arc<Shader>], from: DVec3, time: f64, [u, v]: [f32; 2]) -> Option<LightSample> {
         if let (Some(rectangle), Some(radiance)) = (&self.rectangle, self.even) {
             let (to, density) = rectangle.sample(from, [u.into(), v.into()]);
@@ -278,12 +279,14 @@ impl Emitter {
     }
 
     /// Cosine at which light leaves towards where `dir` comes from, if any does; `normal` is the front's.
+    #[inline]
     fn lit_cos(&self, normal: DVec3, dir: DVec3, distance: f64) -> Option<f64> {
         let cos = -dir.dot(normal);
         (cos != 0.0 && distance > 0.0 && !(self.front_only && cos < 0.0)).then_some(cos)
     }
 
     /// Density with which [`Self::sample`] draws a hit by a ray from `from` along `dir` of length `t`.
+    #[inline]
     pub fn density(&self, scene: &CompiledScene, from: DVec3, dir: DVec3, t: f64, time: f64) -> f32 {
         if let Some(rectangle) = &self.rectangle {
             return self.lit_cos(self.normal, dir, t).map_or(0.0, |cos| rectangle.density(from, t * t, cos) as f32);

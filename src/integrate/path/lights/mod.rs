@@ -187,6 +187,7 @@ impl LightSet {
         grey(light.color) * fade * plain_scale(light)
     }
 
+    #[inline]
     fn shares(&self, scene: &CompiledScene, p: DVec3, n: Option<DVec3>) -> Shares {
         if self.only_tree {
             return Shares { tree: 1.0, environment: 0.0, sky_sun: 0.0, total: 1.0 };
@@ -204,6 +205,7 @@ impl LightSet {
     }
 
     /// Draws a light for `p` with normal `n` (`None` in volumes).
+    #[inline]
     pub fn choose(&self, scene: &CompiledScene, p: DVec3, n: Option<DVec3>, pick: f32) -> Option<Chosen> {
         let shares = self.shares(scene, p, n);
         if !(shares.total > 0.0) {
@@ -247,6 +249,7 @@ impl LightSet {
     }
 
     /// A direction of the chosen light as seen from `p`.
+    #[inline]
     pub fn sample_chosen(
         &self,
         scene: &CompiledScene,
@@ -276,6 +279,7 @@ impl LightSet {
     }
 
     /// Draws a direction of light for `p` with normal `n` (`None` where light comes from all sides).
+    #[inline]
     pub fn sample(
         &self,
         scene: &CompiledScene,

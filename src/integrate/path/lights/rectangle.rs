@@ -46,6 +46,7 @@ impl<'s> SeenRectangle<'s> {
     ///
     /// The angles at the corners of the sphere's rectangle are those of complex numbers that ask for no more than a root each; their product has the
     /// sum of all four.
+    #[inline]
     pub fn new(to: DVec3, sides: &'s Sides, least: f64) -> Option<Self> {
         let [ax, ay, az] = sides.axes;
         let (mx, my, height) = (to.dot(ax), to.dot(ay), to.dot(az));
@@ -67,6 +68,7 @@ impl<'s> SeenRectangle<'s> {
     }
 
     /// A point, even over the solid angle.
+    #[inline]
     pub fn sample(&self, u: f64, v: f64) -> DVec3 {
         let (sine, cos) = (u * self.solid_angle).sin_cos();
         let [re, im] = self.turn;
@@ -122,11 +124,13 @@ impl Rectangle {
         })
     }
 
+    #[inline]
     fn seen(&self, from: DVec3) -> Option<SeenRectangle<'_>> {
         SeenRectangle::new(self.center - from, &self.sides, LEAST_SOLID_ANGLE).filter(|s| s.solid_angle < MOST_SOLID_ANGLE)
     }
 
     /// A point of it for `from`, from where it is looked at; and the density (1/sr), `None` where it was drawn evenly over the area.
+    #[inline]
     pub fn sample(&self, from: DVec3, [u, v]: [f64; 2]) -> (DVec3, Option<f64>) {
         match self.seen(from) {
             Some(s) => (s.sample(u, v), Some(1.0 / s.solid_angle)),
@@ -135,6 +139,7 @@ impl Rectangle {
     }
 
     /// Density (1/sr) with which [`Self::sample`] draws the point met from `from` at distance squared `d_sq`, under `cos` to the normal.
+    #[inline]
     pub fn density(&self, from: DVec3, d_sq: f64, cos: f64) -> f64 {
         self.seen(from).map_or_else(|| density_by_area(self.area, d_sq, cos), |s| 1.0 / s.solid_angle)
     }
