@@ -267,3 +267,22 @@ fn faces(mode: Mode, corners: &[u32], vertices: &[Vec3]) -> Vec<[u32; 3]> {
         _ => corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).filter(solid).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faces_whose_corners_have_the_faces_normal_are_flat() {
+        let vertices = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.5)];
+        let faces = [[0, 1, 2], [2, 1, 3]];
+        let (up, bent) = (Vec3::Z, Vec3::new(-0.3, -0.3, 0.9).normalize());
+        let none = [u32::MAX; 3];
+        assert_eq!(smooth_faces(&faces, &vertices, &[up, up, up, bent], true), [none, faces[1]]);
+        assert_eq!(smooth_faces(&faces, &vertices, &[up, up, up, bent], false), faces);
+        assert_eq!(smooth_faces(&faces[..1], &vertices, &[up; 4], true), Vec::<[u32; 3]>::new());
+        // Turned round, or all alike but not the face's.
+        assert_eq!(smooth_faces(&faces[..1], &vertices, &[-up; 4], true), faces[..1]);
+        assert_eq!(smooth_faces(&faces[..1], &vertices, &[bent; 4], true), faces[..1]);
+    }
+}
