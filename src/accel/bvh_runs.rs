@@ -203,7 +203,7 @@ impl Builder {
             jobs.push((runs, first, own));
             left = rest;
         }
-        let group = |(runs, first, own): (&[(Range<usize>, BoxF)], usize, &mut [Ref])| {
+        let group = |(runs, first, own): Job| {
             let mut group = Group { tree: Subtree::default(), roots: Vec::with_capacity(runs.len()) };
             let mut scratch = None;
             for (run, bounds) in runs {
@@ -277,6 +277,9 @@ impl Builder {
         (node as u32, 0)
     }
 }
+
+/// Neighbouring runs, the first of their references, and those.
+type Job<'r> = (&'r [(Range<usize>, BoxF)], usize, &'r mut [Ref]);
 
 /// What is below neighbouring runs.
 struct Group {
