@@ -122,7 +122,7 @@ impl Job<'_> {
         let n = if self.settings.antialias.is_some() { 1 } else { self.settings.samples.len().max(1) };
         self.block(block, n as u32, |go_on, pixels| {
             let rows = match &self.settings.antialias {
-                Some(aa) => aa.render_block(block, &mut |x, y| Some(tracer.pixel(x, y)), go_on, pixels),
+                Some(aa) => aa.render_block(block, |x, y| tracer.pixel(x, y), go_on, pixels),
                 None if n == 1 => rows_of(block, go_on, pixels, |x, y| tracer.pixel(f64::from(x), f64::from(y))),
                 None => rows_of(block, go_on, pixels, |x, y| {
                     mean_of(self.settings, |k| {

@@ -3,6 +3,10 @@
 use crate::film::{Film, PixelSamples};
 use crate::integrate::RenderSettings;
 use crate::integrate::antialias::{Block, Sample, blocks};
+#[cfg(feature = "gpu")]
+use crate::integrate::block_memo::BlockMemo;
+#[cfg(feature = "gpu")]
+use rayon::prelude::*;
 
 /// The blocks that do not hold all their samples, emptied, and the number of pixels in the others.
 ///
@@ -29,10 +33,41 @@ pub(super) fn clear(film: &mut Film, [x0, y0, x1, y1]: Block) {
     }
 }
 
-/// Joins the mean of `n` samples to those that a pixel of a film without passes has. A colour that is no number counts as black, or it
-/// would spread.
-pub(super) fn add_samples(film: &mut Film, at: usize, color: Sample, n: u32) {
+/// A colour; one that is no number counts as black, or it would spread.
+fn finite(color: Sample) -> Sample {
     let [.., alpha] = color;
-    let color = if color.iter().all(|v| v.is_finite()) { color } else { [0.0, 0.0, 0.0, if alpha.is_finite() { alpha } else { 1.0 }] };
-    film.join(at, PixelSamples { color, layers: &[], n, earlier: false });
+    if color.iter().all(|v| v.is_finite()) { color } else { [0.0, 0.0, 0.0, if alpha.is_finite() { alpha } else { 1.0 }] }
+}
+
+/// Joins the mean of `n` samples to those that a pixel of a film without passes has. A colour that is no number counts as black.
+pub(super) fn add_samples(film: &mut Film, at: usize, color: Sample, n: u32) {
+    film.join(at, PixelSamples { color: finite(color), layers: &[], n, earlier: false });
+}
+
+/// The one sample of each pixel of rows that were empty, on all cores: so many columns from `left`, downwards from `top`.
+#[cfg(feature = "gpu")]
+pub(super) fn add_rows(film: &mut Film, [left, top, columns]: [u32; 3], samples: &[Sample]) {
+    let (width, part) = (film.width as usize, left as usize..(left + columns) as usize);
+    let rows = film.pixels.par_chunks_mut(width).zip(film.samples.par_chunks_mut(width)).skip(top as usize);
+    rows.zip(samples.par_chunks(columns as usize)).for_each(|((pixels, counts), new)| {
+        counts[part.clone()].fill(1);
+        pixels[part.clone()].iter_mut().zip(new).for_each(|(p, s)| *p = finite(*s));
+    });
+}
+
+/// The one sample of each pixel of blocks that were empty, on all cores; `size` is the side of the blocks' raster.
+#[cfg(feature = "gpu")]
+pub(super) fn add_blocks(film: &mut Film, size: u32, list: &[Block], memos: &[BlockMemo]) {
+    let (width, size) = (film.width as usize, size.max(4) as usize);
+    let bands = film.pixels.par_chunks_mut(width * size).zip(film.samples.par_chunks_mut(width * size)).enumerate();
+    bands.for_each(|(band, (pixels, counts))| {
+        for ([x0, y0, x1, _], memo) in list.iter().zip(memos).filter(|([_, y0, ..], _)| *y0 as usize / size == band) {
+            for (k, new) in memo.pixels().chunks((x1 - x0) as usize).enumerate() {
+                let at = (*y0 as usize - band * size + k) * width;
+                let part = at + *x0 as usize..at + *x1 as usize;
+                counts[part.clone()].fill(1);
+                pixels[part].iter_mut().zip(new).for_each(|(p, s)| *p = finite(*s));
+            }
+        }
+    });
 }

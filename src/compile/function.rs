@@ -1,7 +1,7 @@
 //! User functions → bytecode for a register machine: expressions in static single assignment with equal parts computed once,
 //! small callees inlined, then registers reused. `kernel/function.rs` runs it.
 
-use super::texture::{PatternIx, PigmentIx, TextureBuilder};
+use super::texture::{FunctionIx, PatternIx, PigmentIx, TextureBuilder};
 use crate::scene::function::{FnBinary, FnBuiltin, FnExpr};
 use crate::scene::{Function, FunctionBody};
 use std::collections::HashMap;
@@ -162,12 +162,26 @@ struct Ssa {
     call_index: HashMap<Call, u32>,
 }
 
-/// Compiles an expression over `n_params` parameters.
-pub(super) fn compile_expr(builder: &mut TextureBuilder, e: &FnExpr, n_params: usize) -> FunctionNode {
+/// All that a function does.
+#[derive(PartialEq, Eq, Hash)]
+pub(crate) struct FunctionKey {
+    values: Vec<Value>,
+    calls: Vec<Call>,
+    result: u32,
+    n_params: usize,
+}
+
+/// Compiles an expression over `n_params` parameters. Equal functions, which loops in scenes declare by the hundred, are one.
+pub(super) fn compile_expr(builder: &mut TextureBuilder, e: &FnExpr, n_params: usize) -> FunctionIx {
     let mut ssa = Ssa::default();
     let env: Vec<u32> = (0..n_params).map(|k| ssa.add(Value::Param(k as u16))).collect();
     let result = ssa.expr(builder, e, &env);
-    ssa.emit(builder, result, n_params)
+    let key = FunctionKey { values: ssa.values, calls: ssa.calls, result, n_params };
+    if let Some(ix) = builder.compiled(&key) {
+        return ix;
+    }
+    let node = key.emit(builder);
+    builder.add_compiled(key, node)
 }
 
 impl Ssa {
@@ -323,12 +337,13 @@ impl Ssa {
         while outer.len() < usize::from(var) {
             outer.push(self.constant(0.0));
         }
-        let node = compile_expr(builder, body, usize::from(var) + 1);
-        let function = builder.add_function(node);
+        let function = compile_expr(builder, body, usize::from(var) + 1);
         let args = [from, to].into_iter().chain(outer).collect();
         self.call(Call { op, function, args, n_results: 1 })
     }
+}
 
+impl FunctionKey {
     /// Values that `v` reads.
     fn operands(&self, v: Value, mut f: impl FnMut(u32)) {
         match v {
@@ -342,8 +357,9 @@ impl Ssa {
     }
 
     /// Gives live values registers and writes the steps.
-    fn emit(&self, builder: &mut TextureBuilder, result: u32, n_params: usize) -> FunctionNode {
+    fn emit(&self, builder: &mut TextureBuilder) -> FunctionNode {
         const UNUSED: usize = usize::MAX;
+        let (result, n_params) = (self.result, self.n_params);
         let n = self.values.len();
         // Last reader of every value, walking back from the result; unused values keep UNUSED.
         let mut last = vec![UNUSED; n];

@@ -1,6 +1,7 @@
 //! Light transport: `classic` is POV-Ray's, `path` is unbiased. Neither knows which machine the rest of the picture runs on.
 
 pub mod antialias;
+pub mod block_memo;
 pub mod classic;
 pub mod path;
 pub mod samples;

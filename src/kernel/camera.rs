@@ -1,7 +1,7 @@
 //! Camera rays: picture positions to origins and directions, for every projection but the mesh camera (`mesh_camera.rs`).
 //! The lens of focal blur stands in `lens.rs`. Source: spec/textures.md, section 8; spec/light.md, section 12.
 //!
-//! Positions (x, y) are pixels with integers at pixel centres, y downwards. Twin: `shaders/generate_rays`.
+//! Positions (x, y) are pixels with integers at pixel centres, y downwards. Twin: `shaders/shared/camera.wesl`.
 
 use super::function::free_point;
 use super::lens::Lens;
@@ -117,15 +117,20 @@ impl CameraModel {
         Some((Ray::new(self.location + offset, dir.try_normalize()?), at))
     }
 
-    /// Place, direction, right and up of a camera whose rays through its lens are direction and shares of right and up; of parallel ones
-    /// right and up are zero. `None` for other projections and for bent directions.
-    pub fn flat_frame(&self) -> Option<[DVec3; 4]> {
-        let (right, up) = match self.projection {
-            Projection::Perspective => (self.right, self.up),
-            Projection::Orthographic => (DVec3::ZERO, DVec3::ZERO),
-            _ => return None,
-        };
-        self.normal_ix.is_none().then_some([self.location, self.direction, right, up])
+    /// Location, direction, right, up, and right, up and direction in length 1.
+    pub fn frame(&self) -> [DVec3; 7] {
+        let [r, u, d] = self.unit;
+        [self.location, self.direction, self.right, self.up, r, u, d]
+    }
+
+    /// How positions become directions.
+    pub fn projection(&self) -> &Projection {
+        &self.projection
+    }
+
+    /// Lengths of right and up.
+    pub fn size(&self) -> DVec2 {
+        self.size
     }
 
     /// Screen coordinates, -0.5..0.5, y upwards.

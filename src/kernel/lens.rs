@@ -61,6 +61,11 @@ impl Lens {
         (&self.grid, self.jitter, self.half_aperture, self.axes)
     }
 
+    /// By number of samples less 1: the variance below which a pixel is done.
+    pub fn thresholds(&self) -> &[f64] {
+        &self.thresholds
+    }
+
     /// Most samples.
     pub fn max_samples(&self) -> u32 {
         self.grid.len() as u32

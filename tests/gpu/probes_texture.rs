@@ -282,6 +282,32 @@ fn user_functions_are_the_kernels() {
     report.check();
 }
 
+/// Loops in scenes declare functions that differ in a few numbers: one text for all of them, with the numbers in a table.
+#[test]
+fn functions_that_differ_in_numbers_are_written_once_and_stay_the_kernels() {
+    let Some(gpu) = gpu() else { return };
+    let of = |e: String| format!("function {{ {e} }} color_map {{ [0 rgb 0][1 rgb 1] }} frequency 0");
+    let alike = (0..6).map(|k| of(format!("sin({}*x) + 0.5*cos(2*y - {k}/7) + f_noise3d(x, {}*y, z)", 1 + k, 3 - k)));
+    let equal = (0..3).map(|_| of("x*y + z - 1".to_owned()));
+    let sources: Vec<String> = alike.chain(equal).map(|s| s.replace("f_noise3d", "INT_NOISE")).collect();
+    let mut report = Report::new();
+    let written = std::cell::Cell::new((0, 0));
+    let count = |words: &mut TextureWords| {
+        let text = &words.shader.functions;
+        written.set((text.matches("fn alike_function_").count(), text.matches("fn user_function_").count()));
+    };
+    for (source, distances) in sources.iter().zip(compare_some_pigments(&gpu, &sources, count)) {
+        report.add(source, &distances, allowed(source));
+    }
+    report.check();
+    assert_eq!(written.get(), (1, 1));
+    let shift = |words: &mut TextureWords| {
+        words.shader.functions = words.shader.functions.replace("number(numbers_at + 0u)", "number(numbers_at + 1u)")
+    };
+    let off = compare_some_pigments(&gpu, &sources, shift);
+    assert!(off.iter().flatten().any(|d| *d > 1e-2), "numbers from wrong places must be seen");
+}
+
 #[test]
 fn a_wrong_noise_table_is_seen() {
     let Some(gpu) = gpu() else { return };

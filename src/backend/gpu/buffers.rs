@@ -2,8 +2,8 @@
 //! Twin of the bindings: `shaders/shared/bindings.wesl`.
 
 use super::camera::start_interiors;
+use super::camera_buffers::{DeviceCamera, camera_words};
 use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
-use super::lens_buffers::lens_words;
 use super::material_buffers::{encode_materials, material_constants};
 use super::media_buffers::{encode_media, media_options};
 use super::mesh_buffers::{Boxes, MeshWords, encode_meshes};
@@ -48,8 +48,8 @@ pub(super) struct SceneBuffers {
     pub media_points: u32,
     /// Some medium is there.
     pub media: bool,
-    /// Place of the lens, 0 for none.
-    pub lens_at: u32,
+    /// What the device makes of the camera's rays.
+    pub camera: DeviceCamera,
     /// Some shadow rays go on behind what they meet.
     pub transparency: bool,
 }
@@ -209,7 +209,8 @@ impl SceneBuffers {
         let mut interiors: Vec<Interior> = scene.interiors.iter().map(interior).collect();
         encode_media(scene, plan, &textures, &mut words, &mut params, &mut interiors);
         let lights = scene.lights.iter().map(|l| light(scene, l, &mut words)).collect();
-        let lens_at = lens_words(&plan.camera).map_or(0, |w| append(&mut words, w));
+        let mut options = textures.shader.clone();
+        let camera = camera_words(scene, plan, &mut words, &mut options);
         let mut buffers = Self {
             params,
             prims,
@@ -220,14 +221,14 @@ impl SceneBuffers {
             lights,
             interiors,
             textures,
-            options: ShaderOptions::default(),
+            options,
             max_children: 0,
             max_shadows: 0,
             max_areas: 0,
             max_area_points: 0,
             media_points: 0,
             media: scene.features.media,
-            lens_at,
+            camera,
             transparency,
         };
         buffers.meshes.nodes = tree_nodes;
@@ -245,7 +246,7 @@ impl SceneBuffers {
         scene_depth: u32,
     ) -> Result<ShaderOptions, BackendError> {
         let (g, f) = (&scene.geometry, &scene.features);
-        let mut o = self.textures.shader.clone();
+        let mut o = std::mem::take(&mut self.options);
         let all = !scene.options.savings.has(Saving::Shaders);
         for (kind, name) in KINDS {
             // Without functions there is nothing that an isosurface could call.
@@ -365,7 +366,6 @@ impl SceneBuffers {
             o.constant(&format!("KIND_{}", name.to_uppercase()), *kind as u32);
         }
         material_constants().into_iter().for_each(|(name, v)| o.constant(&name, v));
-        o.constant("LENS_AT", self.lens_at);
         self.media_points = media_options(scene, &mut o)?;
         let irid = scene.settings.irid_wavelength;
         let numbers = [

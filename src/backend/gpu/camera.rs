@@ -1,10 +1,12 @@
-//! Camera rays of a batch, made here in double precision for every projection, lens and mesh; the shaders take them from there.
+//! Camera rays that the host makes, in double precision, for every projection, lens and mesh: those that `camera_buffers.rs` does not hand to the
+//! device, and all where it has no numbers of 64 bits.
 //!
 //! A ray's direction in 32 bits is off by 6e-8 of the way to what it meets. Where nothing lies between the camera and the scene's box,
 //! rays start at the box, so that what is left of the way is short.
 
-use super::buffers::{low_part3, v3};
+use super::buffers::{low_part, low_part3, v3};
 use super::layout::Start;
+use super::wavefront::Places;
 use crate::backend::BackendError;
 use crate::compile::CompiledScene;
 use crate::compile::geometry::prim_flags;
@@ -12,9 +14,8 @@ use crate::integrate::classic::{InteriorList, ScenePlan, bent, interiors_at, sin
 use crate::integrate::samples::hash;
 use crate::kernel::lens::Lens;
 use crate::kernel::mesh_camera::MeshCamera;
-use crate::math::{Bounds, DVec3, Ray};
+use crate::math::{Bounds, Ray};
 use rayon::prelude::*;
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Makes camera rays.
@@ -57,45 +58,39 @@ impl<'s> CameraRays<'s> {
         self.around.is_none()
     }
 
-    /// Picture positions, as `lens_rays` reads them.
-    pub fn positions(positions: &[(f64, f64)]) -> Vec<Start> {
-        let start = |(x, y): &(f64, f64)| {
-            let at = DVec3::new(*x, *y, 0.0);
-            Start { origin: v3(at), origin_low: low_part3(at), key: position_key(*x, *y), ..Start::default() }
-        };
-        positions.par_iter().map(start).collect()
+    /// Where rays may start: the box of everything that can be met.
+    pub fn start_box(&self) -> Option<Bounds> {
+        self.start_box
     }
 
-    /// Rays of a mesh camera, those of a position together; and the number of each position's.
-    pub fn mesh_starts(&self, mesh: &MeshCamera, positions: &[(f64, f64)]) -> (Vec<Start>, Vec<u32>) {
+    /// Rays of a mesh camera, those of a place together; and the number of each place's.
+    pub fn mesh_starts(&self, mesh: &MeshCamera, places: &Places) -> (Vec<Start>, Vec<u32>) {
         let size = self.plan.camera.resolution();
-        let of = |(x, y): &(f64, f64)| -> Vec<Start> {
-            let key = position_key(*x, *y);
-            let rays = (0..mesh.n_rays()).filter_map(|m| mesh.ray(m, *x, *y, size).map(|r| (m, r)));
+        let of = |k: usize| -> Vec<Start> {
+            let (x, y) = places.at(k);
+            let key = position_key(x, y);
+            let rays = (0..mesh.n_rays()).filter_map(|m| mesh.ray(m, x, y, size).map(|r| (m, r)));
             rays.map(|(m, r)| Start { key: hash(key ^ m), ..self.start(&r) }).collect()
         };
-        let all: Vec<Vec<Start>> = positions.par_iter().map(of).collect();
+        let all: Vec<Vec<Start>> = (0..places.len()).into_par_iter().map(of).collect();
         let counts = all.iter().map(|l| l.len() as u32).collect();
         (all.concat(), counts)
     }
 
-    /// Samples `samples` of the lens at each position, those of a position together.
-    pub fn lens_starts(&self, lens: &Lens, positions: &[(f64, f64)], samples: Range<u32>) -> Vec<Start> {
-        let start = |x: f64, y: f64, n: u32| {
+    /// Sample `n` of the lens at a position.
+    pub fn lens_start(&self, lens: &Lens, (x, y): (f64, f64), n: u32) -> Start {
+        let start = || {
             let (ray, at) = self.plan.camera.lens_ray(lens, x, y, n)?;
             let ray = bent(self.scene, self.plan, ray, at);
             Some(Start { key: hash(position_key(x, y) ^ n), ..self.start(&ray) })
         };
-        positions.par_iter().flat_map_iter(|(x, y)| samples.clone().map(move |n| start(*x, *y, n).unwrap_or_default())).collect()
+        start().unwrap_or_default()
     }
 
-    /// The ray of each picture position; integers are pixel centres.
-    pub fn starts(&self, positions: &[(f64, f64)]) -> Vec<Start> {
-        let start = |(x, y): &(f64, f64)| {
-            let ray = single_ray(self.scene, self.plan, *x, *y)?;
-            Some(Start { key: position_key(*x, *y), ..self.start(&ray) })
-        };
-        positions.par_iter().map(|p| start(p).unwrap_or_default()).collect()
+    /// The ray of a picture position; integers are pixel centres.
+    pub fn single_start(&self, (x, y): (f64, f64)) -> Start {
+        let ray = single_ray(self.scene, self.plan, x, y);
+        ray.map_or_else(Start::default, |ray| Start { key: position_key(x, y), ..self.start(&ray) })
     }
 
     fn start(&self, ray: &Ray) -> Start {
@@ -121,12 +116,9 @@ pub(super) fn start_interiors(scene: &CompiledScene, plan: &ScenePlan) -> Interi
     interiors_at(scene, of_mesh.map_or(scene.camera.location, |r| r.origin))
 }
 
-/// Key of the random numbers of a picture position.
+/// Key of the random numbers of a picture position. Twin: `key_of_place` in `shaders/shared/camera.wesl`.
 fn position_key(x: f64, y: f64) -> u32 {
-    [x, y].iter().fold(0, |key, v| {
-        let bits = v.to_bits();
-        hash(hash(key ^ bits as u32) ^ (bits >> 32) as u32)
-    })
+    [x, y].iter().fold(0, |key, v| hash(hash(key ^ (*v as f32).to_bits()) ^ low_part(*v).to_bits()))
 }
 
 /// Depth shortly before the ray enters the box; 0 inside and where it passes by.

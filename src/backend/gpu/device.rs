@@ -283,21 +283,34 @@ impl Gpu {
     /// The same through a buffer that is there: making one takes longer than small answers do.
     pub fn submit_and_read_into(
         &self,
-        mut encoder: wgpu::CommandEncoder,
+        encoder: wgpu::CommandEncoder,
         buffer: &wgpu::Buffer,
         offset: u64,
         size: u64,
         copy: &wgpu::Buffer,
     ) -> Result<Vec<u8>, BackendError> {
+        self.submit_and_map(encoder, buffer, offset, size, copy, <[u8]>::to_vec)
+    }
+
+    /// The same, with the bytes shown to `take` where they lie.
+    pub fn submit_and_map<R>(
+        &self,
+        mut encoder: wgpu::CommandEncoder,
+        buffer: &wgpu::Buffer,
+        offset: u64,
+        size: u64,
+        copy: &wgpu::Buffer,
+        take: impl FnOnce(&[u8]) -> R,
+    ) -> Result<R, BackendError> {
         encoder.copy_buffer_to_buffer(buffer, offset, copy, 0, size);
         self.queue.submit([encoder.finish()]);
-        copy.map_async(wgpu::MapMode::Read, .., |_| {});
+        copy.map_async(wgpu::MapMode::Read, ..size, |_| {});
         let lost = |e: String| BackendError::DeviceLost(e);
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| lost(e.to_string()))?;
         self.check()?;
-        let bytes = copy.get_mapped_range(..).map_err(|e| lost(e.to_string()))?.to_vec();
+        let taken = take(&copy.get_mapped_range(..size).map_err(|e| lost(e.to_string()))?);
         copy.unmap();
-        Ok(bytes)
+        Ok(taken)
     }
 }
 

@@ -80,7 +80,15 @@ shared! {
         round: u32,
         lens_first: u32,
         lens_samples: u32,
-        padding: u32,
+        open_first: u32,
+        open_side: u32,
+        left: u32,
+        top: u32,
+        columns: u32,
+        rows: u32,
+        padding0: u32,
+        padding1: u32,
+        padding2: u32,
     }
     /// A leaf of the scene.
     struct Prim {

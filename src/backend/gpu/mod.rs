@@ -5,10 +5,10 @@
 
 mod buffers;
 mod camera;
+mod camera_buffers;
 pub mod choice;
 pub mod device;
 pub mod layout;
-mod lens_buffers;
 mod material_buffers;
 mod media_buffers;
 mod mesh_buffers;
@@ -38,25 +38,27 @@ pub use path::PathTimes;
 pub use stage_clock::StageTime;
 pub use support::check;
 
-use super::unfinished::{add_samples, unfinished_blocks};
+use super::unfinished::{add_blocks, add_rows, add_samples, unfinished_blocks};
 use super::{Backend, BackendError, Progress};
 use crate::accel::AccelKind;
 use crate::compile::CompiledScene;
 use crate::film::Film;
 use crate::integrate::Antialias;
-use crate::integrate::antialias::{Block, BlockMemo, Sample};
+use crate::integrate::antialias::{Block, Sample};
+use crate::integrate::block_memo::BlockMemo;
 use crate::integrate::classic::ScenePlan;
 use crate::integrate::samples::sample_position;
 use crate::integrate::{IntegratorKind, RenderSettings};
 use crate::kernel::lens::Lens;
 use crate::kernel::mesh_camera::MeshCamera;
 use buffers::SceneBuffers;
-use layout::Start;
+use camera_buffers::DeviceCamera;
 use rayon::prelude::*;
 use stage_clock::StageClock;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-use wavefront::Wavefront;
+use wavefront::{MakeStart, Places, Wavefront};
 
 /// Where the time of a picture went on a device.
 #[derive(Clone, Debug)]
@@ -134,12 +136,15 @@ impl GpuBackend {
         let buffers = SceneBuffers::new(scene, &plan, self.accel_for(scene))?;
         let wavefront = Wavefront::new(&self.gpu, &buffers, clock)?;
         let prepared = start.elapsed().as_secs_f64();
-        let camera = camera::CameraRays::new(scene, &plan);
+        let camera = Arc::new(camera::CameraRays::new(scene, &plan));
         let (all, done) = unfinished_blocks(film, settings);
         let part = wavefront.max_samples;
-        let mut picture = Picture { plan: &plan, wavefront, camera, settings, film, progress, cancel, done, part };
+        let (places, found) = (Vec::new(), Vec::new());
+        let is_whole = done == 0;
+        let mut picture = Picture { plan: &plan, wavefront, camera, settings, film, progress, cancel, done, part, places, found };
         match &settings.antialias {
             Some(aa) => picture.render_blocks(aa, &all),
+            None if is_whole && settings.samples.len() <= 1 => picture.render_rows(),
             None => picture.render_pixels(&all),
         }?;
         Ok(prepared)
@@ -185,7 +190,7 @@ impl Backend for GpuBackend {
 struct Picture<'p> {
     plan: &'p ScenePlan,
     wavefront: Wavefront<'p>,
-    camera: camera::CameraRays<'p>,
+    camera: Arc<camera::CameraRays<'p>>,
     settings: &'p RenderSettings,
     film: &'p mut Film,
     progress: &'p dyn Progress,
@@ -193,6 +198,9 @@ struct Picture<'p> {
     done: u64,
     /// Samples of the next part of the picture: what is done is told, kept and saved part by part.
     part: u32,
+    /// Places that were asked for last, and what is seen there.
+    places: Vec<(f64, f64)>,
+    found: Vec<Sample>,
 }
 
 /// A part that took less is followed by one of twice the size, so that the device is seldom half empty; after one that took more comes one of half the size.
@@ -200,36 +208,53 @@ const SHORT_PART: Duration = Duration::from_millis(700);
 const LONG_PART: Duration = Duration::from_secs(4);
 
 impl Picture<'_> {
+    /// One sample for every pixel of the picture, row by row.
+    fn render_rows(&mut self) -> Result<(), BackendError> {
+        let [left, mut top, x1, y1] = self.settings.crop;
+        let columns = x1 - left;
+        while top < y1 && columns > 0 {
+            let start = Instant::now();
+            let rows = (self.part / columns).clamp(1, y1 - top);
+            let places = Places::Pixels { left, top, columns, rows };
+            if !self.trace(&places)? {
+                return Ok(());
+            }
+            add_rows(self.film, [left, top, columns], &self.found);
+            self.tell(places.len());
+            self.settle_part(start.elapsed());
+            top += rows;
+        }
+        Ok(())
+    }
+
     /// The same samples for every pixel: as many pixels at a time as the wavefront takes.
     fn render_pixels(&mut self, all: &[Block]) -> Result<(), BackendError> {
         let of_block = |&[x0, y0, x1, y1]: &Block| (y0..y1).flat_map(move |y| (x0..x1).map(move |x| (x, y)));
         let pixels: Vec<(u32, u32)> = all.iter().flat_map(of_block).collect();
-        let n_samples = self.settings.samples.len().max(1) as u32;
-        if n_samples == 1 {
-            let mut rest = pixels.as_slice();
-            while let Some(part) = self.next_part(&mut rest, 1) {
-                let start = Instant::now();
-                let at: Vec<(f64, f64)> = part.iter().map(|(x, y)| (f64::from(*x), f64::from(*y))).collect();
-                let Some(found) = self.trace(&at)? else { return Ok(()) };
-                part.iter().zip(found).for_each(|((x, y), s)| self.keep(*x, *y, s, 1));
-                self.tell(part.len());
-                self.settle_part(start.elapsed());
-            }
-            return Ok(());
-        }
+        let samples = self.settings.samples.clone();
+        let n_samples = samples.len().max(1) as u32;
         // At most as many samples of a pixel at once as fit; the film joins the rest.
         let at_once = n_samples.min(self.wavefront.max_samples);
+        let seed = self.settings.seed;
         let mut rest = pixels.as_slice();
         while let Some(part) = self.next_part(&mut rest, at_once) {
             let start = Instant::now();
-            let mut first = self.settings.samples.start;
-            while first < self.settings.samples.end {
-                let end = (first + at_once).min(self.settings.samples.end);
-                let at: Vec<(f64, f64)> = part.par_iter().flat_map_iter(|p| sample_places(*p, first..end, self.settings.seed)).collect();
-                let Some(found) = self.trace(&at)? else { return Ok(()) };
-                for ((x, y), list) in part.iter().zip(found.chunks((end - first) as usize)) {
-                    let mean = sum_of(list);
-                    self.keep(*x, *y, mean.map(|v| v / list.len() as f32), end - first);
+            let mut first = samples.start;
+            while first < samples.start + n_samples {
+                let end = (first + at_once).min(samples.start + n_samples);
+                let at: Vec<(f64, f64)> = if n_samples == 1 {
+                    part.par_iter().map(|(x, y)| (f64::from(*x), f64::from(*y))).collect()
+                } else {
+                    part.par_iter().flat_map_iter(|p| sample_places(*p, first..end, seed)).collect()
+                };
+                if !self.trace(&Places::List(&at))? {
+                    return Ok(());
+                }
+                let n = end - first;
+                let means: Vec<Sample> =
+                    self.found.par_chunks(n as usize).map(|list| sum_of(list).map(|v| v / list.len() as f32)).collect();
+                for ((x, y), mean) in part.iter().zip(means) {
+                    add_samples(self.film, self.film.index(*x, *y), mean, n);
                 }
                 first = end;
             }
@@ -245,29 +270,27 @@ impl Picture<'_> {
         let mut rest = all;
         while let Some(part) = self.next_part(&mut rest, (side * side) as u32) {
             let start = Instant::now();
-            let mut memos: Vec<BlockMemo> = part.iter().map(|b| BlockMemo::new(*b)).collect();
+            let mut memos: Vec<BlockMemo> = part.par_iter().map(|b| BlockMemo::new(aa, *b)).collect();
             loop {
                 // What each block still wants to see.
-                let wanted: Vec<Vec<(f64, f64)>> = memos.par_iter_mut().map(|m| m.advance(aa)).collect();
-                let at: Vec<(f64, f64)> = wanted.iter().flatten().copied().collect();
-                if at.is_empty() {
+                let wanted: Vec<&[(f64, f64)]> = memos.par_iter_mut().map(|m| m.advance()).collect();
+                join_lists(&wanted, &mut self.places);
+                if self.places.is_empty() {
                     break;
                 }
-                let mut found: Vec<Sample> = Vec::with_capacity(at.len());
-                for list in at.chunks(self.wavefront.max_slots as usize) {
-                    let Some(samples) = self.trace(list)? else { return Ok(()) };
-                    found.extend(samples);
+                let counts: Vec<usize> = wanted.iter().map(|list| list.len()).collect();
+                let places = std::mem::take(&mut self.places);
+                let is_done = self.trace(&Places::List(&places))?;
+                self.places = places;
+                if !is_done {
+                    return Ok(());
                 }
-                let mut rest = found.as_slice();
-                for (memo, list) in memos.iter_mut().zip(&wanted) {
-                    let (own, others) = rest.split_at(list.len());
-                    memo.learn(list, own);
-                    rest = others;
-                }
+                let mut rest = self.found.as_slice();
+                let own: Vec<&[Sample]> = counts.iter().map(|n| rest.split_off(..*n).expect("a sample a place")).collect();
+                memos.par_iter_mut().zip(own).filter(|(_, own)| !own.is_empty()).for_each(|(memo, own)| memo.learn(own));
             }
-            for (block, memo) in part.iter().zip(&memos) {
-                self.keep_block(*block, memo.pixels());
-            }
+            add_blocks(self.film, self.settings.block_size, part, &memos);
+            self.tell(part.iter().map(|[x0, y0, x1, y1]| (x1 - x0) as usize * (y1 - y0) as usize).sum());
             self.settle_part(start.elapsed());
         }
         Ok(())
@@ -290,28 +313,49 @@ impl Picture<'_> {
         }
     }
 
-    /// What is seen at each position; `None` when cancelled.
-    fn trace(&mut self, at: &[(f64, f64)]) -> Result<Option<Vec<Sample>>, BackendError> {
-        let camera = &self.plan.camera;
+    /// Finds what is seen at each place; false when cancelled.
+    fn trace(&mut self, places: &Places) -> Result<bool, BackendError> {
+        self.found.clear();
+        let (camera, most) = (&self.plan.camera, self.wavefront.max_slots as usize);
         if let Some(mesh) = &camera.mesh {
-            return self.trace_mesh(mesh, at);
+            return self.trace_mesh(mesh, places);
         }
-        match &camera.lens {
-            Some(lens) => self.trace_lens(lens, at),
-            None => self.trace_rays(&self.camera.starts(at)),
+        if self.wavefront.camera() == DeviceCamera::None {
+            let rays = self.camera.clone();
+            return match &camera.lens {
+                Some(lens) => self.trace_lens(lens, places),
+                None => self.trace_made(places.len(), &|k| rays.single_start(places.at(k))),
+            };
+        }
+        let lens = camera.lens.as_ref();
+        match places {
+            Places::Pixels { .. } if places.len() <= most => self.wavefront.trace(places, lens, self.cancel, &mut self.found),
+            Places::Pixels { .. } => {
+                let list: Vec<(f64, f64)> = (0..places.len()).into_par_iter().map(|k| places.at(k)).collect();
+                self.trace(&Places::List(&list))
+            }
+            Places::List(list) => {
+                for part in list.chunks(most) {
+                    if !self.wavefront.trace(&Places::List(part), lens, self.cancel, &mut self.found)? {
+                        return Ok(false);
+                    }
+                }
+                Ok(true)
+            }
         }
     }
 
-    /// What each ray sees, however many there are.
-    fn trace_rays(&mut self, starts: &[Start]) -> Result<Option<Vec<Sample>>, BackendError> {
-        self.camera.check()?;
-        let nothing = self.nothing();
-        let mut found = Vec::with_capacity(starts.len());
-        for part in starts.chunks(self.wavefront.max_slots as usize) {
-            let Some(samples) = self.wavefront.trace(part, self.cancel)? else { return Ok(None) };
-            found.extend(part.iter().zip(samples).map(|(start, seen)| if start.shown == 0 { nothing } else { seen }));
+    /// Finds what the host's rays see, however many there are; false when cancelled.
+    fn trace_made(&mut self, n: usize, make: MakeStart) -> Result<bool, BackendError> {
+        let most = self.wavefront.max_slots as usize;
+        for first in (0..n).step_by(most) {
+            let of_part = |k: usize| make(first + k);
+            if !self.wavefront.trace_made(most.min(n - first) as u32, &of_part, self.cancel, &mut self.found)? {
+                return Ok(false);
+            }
+            self.camera.check()?;
         }
-        Ok(Some(found))
+        Ok(true)
     }
 
     /// What a projection shows beyond its rim.
@@ -319,38 +363,43 @@ impl Picture<'_> {
         [0.0, 0.0, 0.0, if self.settings.output_alpha { 1.0 } else { 0.0 }]
     }
 
-    /// Means over the rays of a mesh camera.
-    fn trace_mesh(&mut self, mesh: &MeshCamera, at: &[(f64, f64)]) -> Result<Option<Vec<Sample>>, BackendError> {
-        let (starts, counts) = self.camera.mesh_starts(mesh, at);
-        let Some(found) = self.trace_rays(&starts)? else { return Ok(None) };
-        let (nothing, mut rest) = (self.nothing(), found.as_slice());
-        let mean = |n: &u32| {
+    /// Finds means over the rays of a mesh camera.
+    fn trace_mesh(&mut self, mesh: &MeshCamera, places: &Places) -> Result<bool, BackendError> {
+        let (starts, counts) = self.camera.mesh_starts(mesh, places);
+        if !self.trace_made(starts.len(), &|k| starts[k])? {
+            return Ok(false);
+        }
+        let (nothing, all) = (self.nothing(), std::mem::take(&mut self.found));
+        let mut rest = all.as_slice();
+        self.found.extend(counts.iter().map(|n| {
             let (own, others) = rest.split_at(*n as usize);
             rest = others;
             if own.is_empty() { nothing } else { sum_of(own).map(|v| v / *n as f32) }
-        };
-        Ok(Some(counts.iter().map(mean).collect()))
+        }));
+        Ok(true)
     }
 
-    /// Means over the lens, of as many samples as each position wants. Twin: `blurred` in src/integrate/classic/pixel.rs.
-    fn trace_lens(&mut self, lens: &Lens, at: &[(f64, f64)]) -> Result<Option<Vec<Sample>>, BackendError> {
-        let mut sums = vec![([0.0f32; 4], [0.0f32; 4]); at.len()];
-        let mut means = vec![[0.0f32; 4]; at.len()];
-        let mut open: Vec<usize> = (0..at.len()).collect();
-        let on_device = self.wavefront.makes_lens_rays() && self.camera.is_unwatched();
+    /// Finds means over the lens, of as many samples as each place wants, from rays of the host. Twins: `blurred` in src/integrate/classic/pixel.rs,
+    /// `Wavefront::trace`.
+    fn trace_lens(&mut self, lens: &Lens, places: &Places) -> Result<bool, BackendError> {
+        let mut sums = vec![([0.0f32; 4], [0.0f32; 4]); places.len()];
+        let mut means = vec![[0.0f32; 4]; places.len()];
+        let mut open: Vec<usize> = (0..places.len()).collect();
         let (mut n, mut group) = (0, 0);
         while n < lens.max_samples() && !open.is_empty() {
             let more = lens.group(group).min(lens.max_samples() - n);
-            // Few positions at a time, so that memory is bounded.
+            // Few places at a time, so that memory is bounded.
             for part in open.chunks((self.wavefront.max_slots / more).max(1) as usize) {
-                let places: Vec<(f64, f64)> = part.iter().map(|k| at[*k]).collect();
-                let found = if on_device {
-                    self.wavefront.trace_lens(&camera::CameraRays::positions(&places), n..n + more, self.cancel)?
-                } else {
-                    self.trace_rays(&self.camera.lens_starts(lens, &places, n..n + more))?
-                };
-                let Some(found) = found else { return Ok(None) };
-                for (k, own) in part.iter().zip(found.chunks(more as usize)) {
+                self.found.clear();
+                let rays = self.camera.clone();
+                let of_part = |k: usize| rays.lens_start(lens, places.at(part[k / more as usize]), n + k as u32 % more);
+                let mut found = std::mem::take(&mut self.found);
+                let is_done = self.wavefront.trace_made(part.len() as u32 * more, &of_part, self.cancel, &mut found)?;
+                self.found = found;
+                if !is_done {
+                    return Ok(false);
+                }
+                for (k, own) in part.iter().zip(self.found.chunks(more as usize)) {
                     let (sum, sum_sq) = &mut sums[*k];
                     for s in own {
                         (0..4).for_each(|c| sum[c] += s[c]);
@@ -358,6 +407,7 @@ impl Picture<'_> {
                     }
                 }
             }
+            self.camera.check()?;
             n += more;
             group += 1;
             open.retain(|k| {
@@ -366,20 +416,8 @@ impl Picture<'_> {
                 !lens.is_settled(n, sum, sum_sq)
             });
         }
-        Ok(Some(means))
-    }
-
-    fn keep_block(&mut self, [x0, y0, x1, y1]: Block, pixels: &[Sample]) {
-        for (k, s) in pixels.iter().enumerate() {
-            let (x, y) = (x0 + k as u32 % (x1 - x0), y0 + k as u32 / (x1 - x0));
-            self.keep(x, y, *s, 1);
-        }
-        self.tell(((x1 - x0) * (y1 - y0)) as usize);
-    }
-
-    fn keep(&mut self, x: u32, y: u32, s: Sample, n: u32) {
-        let at = self.film.index(x, y);
-        add_samples(self.film, at, s, n);
+        self.found = means;
+        Ok(true)
     }
 
     fn tell(&mut self, n: usize) {
@@ -387,6 +425,14 @@ impl Picture<'_> {
         self.done += n as u64;
         self.progress.pixels(self.done, (x1 - x0) * (y1 - y0));
     }
+}
+
+/// All lists one behind the other, on all cores.
+fn join_lists<T: Copy + Default + Send + Sync>(lists: &[&[T]], out: &mut Vec<T>) {
+    out.resize(lists.iter().map(|list| list.len()).sum(), T::default());
+    let mut rest = out.as_mut_slice();
+    let pieces: Vec<&mut [T]> = lists.iter().map(|list| rest.split_off_mut(..list.len()).expect("the sum of all lengths")).collect();
+    pieces.into_par_iter().zip(lists).for_each(|(to, from)| to.copy_from_slice(from));
 }
 
 /// Sums of the channels.

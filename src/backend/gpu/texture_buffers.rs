@@ -84,9 +84,9 @@ pub fn encode_textures(tables: &TextureTables, roots: &TextureRoots, quick_color
         out.normals[*ix as usize] = encoder.normal(*ix)?;
     }
     for ix in &roots.functions {
-        encoder.function(*ix)?;
+        encoder.function(*ix);
     }
-    out.shader.functions = encoder.functions.module(|ix| encoder.n_params(ix));
+    out.shader.functions = encoder.function_module()?;
     for (name, value) in layout_constants() {
         out.shader.constant(&name, value);
     }

@@ -3,9 +3,9 @@
 
 use super::texture_encoder::TextureEncoder;
 use crate::backend::BackendError;
-use crate::compile::function::{CallSite, FunctionNode, INTERNAL_NOISE3D, Instr, Op, wide_index};
+use crate::compile::function::{CallSite, FunctionNode, INTERNAL_NOISE3D, Op, wide_index};
 use crate::compile::texture::{FunctionIx, PigmentIx};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Built-in functions of `shaders/shared/function_internal.wesl`: number, name, parameters after the point.
@@ -45,6 +45,7 @@ import package::shared::pattern_simple::above_one;
 import package::shared::real::real3;
 import package::shared::texture_point::Rgbft;
 import package::shared::warp::warp_point;
+import package::shared::words::{number, word};
 ";
 
 /// Functions written so far.
@@ -67,20 +68,27 @@ impl FunctionText {
     pub fn add(&mut self, text: &str) {
         self.text += text;
     }
+}
 
-    /// The module; empty without functions.
-    pub fn module(&self, n_params: impl Fn(FunctionIx) -> usize) -> String {
-        if self.called.is_empty() {
-            return String::new();
+/// Functions that differ in numbers alone: written once, each finds its numbers in a table.
+struct Alike {
+    members: Vec<FunctionIx>,
+    /// Of each, in the order of their uses.
+    constants: Vec<Vec<f64>>,
+}
+
+/// What a register of a function holds where it is read.
+enum Held {
+    Name(String),
+    Number(f64),
+}
+
+impl Held {
+    fn text(&self, constant: &mut dyn FnMut(f64) -> String) -> String {
+        match self {
+            Self::Name(name) => name.clone(),
+            Self::Number(v) => constant(*v),
         }
-        let mut text =
-            format!("{IMPORTS}\n{}\nfn call_user_function(function: u32, p: vec3f) -> f32 {{\n    switch function {{\n", self.text);
-        for ix in &self.called {
-            let args = ["p.x", "p.y", "p.z", "0.0"].map(str::to_owned);
-            let args: Vec<&str> = (0..n_params(*ix)).map(|k| args[k.min(3)].as_str()).collect();
-            writeln!(text, "        case {ix}u: {{ return user_function_{ix}({})[0]; }}", args.join(", ")).expect("strings take text");
-        }
-        text + "        default: { return 0.0; }\n    }\n}\n"
     }
 }
 
@@ -93,8 +101,12 @@ fn refused(what: impl Into<String>) -> BackendError {
     BackendError::Unsupported(what.into())
 }
 
+fn near(v: f64) -> f32 {
+    (v as f32).clamp(f32::MIN, f32::MAX)
+}
+
 fn literal(v: f64) -> String {
-    format!("({:?})", (v as f32).clamp(f32::MIN, f32::MAX))
+    format!("({:?})", near(v))
 }
 
 impl TextureEncoder<'_> {
@@ -109,11 +121,91 @@ impl TextureEncoder<'_> {
     }
 
     /// Makes a function callable by its number.
-    pub fn function(&mut self, ix: FunctionIx) -> Result<u32, BackendError> {
+    pub fn function(&mut self, ix: FunctionIx) -> u32 {
         self.feature("user_functions");
-        self.write_function(ix)?;
         self.functions.called.insert(ix);
-        Ok(ix)
+        ix
+    }
+
+    /// The module of all functions that shaders call, after the last of them is known; empty without any. Loops in scenes declare functions by
+    /// the hundred that differ in numbers at most, and drivers write out each that a `switch` names: such ones are one.
+    pub fn function_module(&mut self) -> Result<String, BackendError> {
+        if self.functions.called.is_empty() {
+            return Ok(String::new());
+        }
+        let mut alike: BTreeMap<String, Alike> = BTreeMap::new();
+        for ix in self.functions.called.clone() {
+            let (text, constants) = self.outline(ix)?;
+            let group = alike.entry(text).or_insert_with(|| Alike { members: Vec::new(), constants: Vec::new() });
+            group.members.push(ix);
+            group.constants.push(constants);
+        }
+        let mut groups: Vec<Alike> = alike.into_values().collect();
+        groups.sort_by_key(|g| g.members[0]);
+        let has_table = groups.iter().any(|g| g.members.len() > 1);
+        // By function: whom to call in its place, and where its numbers are.
+        let mut table = vec![0; if has_table { 2 * self.tables.functions.len() } else { 0 }];
+        let mut cases = String::new();
+        for group in &groups {
+            let first = group.members[0];
+            let places = self.write_alike(group)?;
+            for (ix, at) in group.members.iter().zip(&places) {
+                if has_table {
+                    (table[2 * *ix as usize], table[2 * *ix as usize + 1]) = (first, *at);
+                }
+            }
+            let args = ["p.x", "p.y", "p.z", "0.0"].map(str::to_owned);
+            let mut args: Vec<&str> = (0..self.n_params(first)).map(|k| args[k.min(3)].as_str()).collect();
+            let is_shared = group.members.len() > 1;
+            args.extend(is_shared.then_some("numbers_at"));
+            let name = if is_shared { "alike" } else { "user" };
+            writeln!(cases, "        case {first}u: {{ return {name}_function_{first}({})[0]; }}", args.join(", "))
+                .expect("strings take text");
+        }
+        let called = if has_table {
+            let at = self.put(table);
+            format!("    let entry = {at}u + 2u * function;\n    let numbers_at = word(entry + 1u);\n    switch word(entry) {{\n")
+        } else {
+            "    switch function {\n".to_owned()
+        };
+        let text = &self.functions.text;
+        Ok(format!(
+            "{IMPORTS}\n{text}\nfn call_user_function(function: u32, p: vec3f) -> f32 {{\n{called}{cases}        default: {{ return 0.0; }}\n    }}\n}}\n"
+        ))
+    }
+
+    /// The text of a function with its numbers left out, and the numbers.
+    fn outline(&mut self, ix: FunctionIx) -> Result<(String, Vec<f64>), BackendError> {
+        let FunctionNode::Code { .. } = self.tables.functions[ix as usize] else { return Ok((format!("{ix}"), Vec::new())) };
+        let mut numbers = Vec::new();
+        let mut leave_out = |v: f64| {
+            numbers.push(v);
+            "?".to_owned()
+        };
+        Ok((self.code_text(ix, &mut leave_out)?, numbers))
+    }
+
+    /// Writes functions that differ in numbers alone; gives the place of each one's numbers.
+    fn write_alike(&mut self, group: &Alike) -> Result<Vec<u32>, BackendError> {
+        let [first, _, ..] = group.members[..] else {
+            self.write_function(group.members[0])?;
+            return Ok(vec![0]);
+        };
+        let differs = |k: &usize| group.constants.iter().any(|c| c[*k].to_bits() != group.constants[0][*k].to_bits());
+        let varying: Vec<usize> = (0..group.constants[0].len()).filter(differs).collect();
+        let mut n_used = 0;
+        let mut constant = |v: f64| {
+            n_used += 1;
+            match varying.iter().position(|k| *k == n_used - 1) {
+                Some(n) => format!("number(numbers_at + {n}u)"),
+                None => literal(v),
+            }
+        };
+        let body = self.code_text(first, &mut constant)?;
+        // Another function may call it with its own numbers.
+        let params: String = (0..self.n_params(first)).map(|k| format!("a{k}: f32, ")).collect();
+        self.functions.add(&format!("fn alike_function_{first}({params}numbers_at: u32) -> array<f32, 5> {{\n{body}}}\n\n"));
+        Ok(group.constants.iter().map(|c| self.put(varying.iter().map(|k| near(c[*k]).to_bits()))).collect())
     }
 
     fn write_function(&mut self, ix: FunctionIx) -> Result<(), BackendError> {
@@ -122,10 +214,7 @@ impl TextureEncoder<'_> {
         }
         let params: Vec<String> = (0..self.n_params(ix)).map(|k| format!("a{k}: f32")).collect();
         let body = match self.tables.functions[ix as usize] {
-            FunctionNode::Code { start, len, n_regs, result, n_params } => {
-                let code = &self.tables.instrs[start as usize..][..len as usize];
-                self.code_text(code, n_regs, result, n_params)?
-            }
+            FunctionNode::Code { .. } => self.code_text(ix, &mut literal)?,
             FunctionNode::Internal(n) => {
                 let args: Vec<String> = (0..params.len()).map(|k| format!("a{k}")).collect();
                 format!("    return {};\n", one_result(&self.internal_call(n, &args)?))
@@ -171,64 +260,72 @@ impl TextureEncoder<'_> {
         format!("noise({point}, {generator}u)")
     }
 
-    fn code_text(&mut self, code: &[Instr], n_regs: u32, result: u16, n_params: u16) -> Result<String, BackendError> {
-        let mut text = String::new();
-        let mut line = |l: String| {
-            text += "    ";
-            text += &l;
-            text += "\n";
+    /// The body of a function that is code. `constant` writes the numbers that it uses, in the order of their uses.
+    fn code_text(&mut self, ix: FunctionIx, constant: &mut dyn FnMut(f64) -> String) -> Result<String, BackendError> {
+        let FunctionNode::Code { start, len, n_regs, result, n_params } = self.tables.functions[ix as usize] else {
+            unreachable!("the caller asked for the kind")
         };
-        let calls = code.iter().filter(|i| matches!(i.op, Op::Call)).map(|i| u32::from(i.dst) + 5).max().unwrap_or(0);
-        for k in 0..n_regs.max(calls).max(u32::from(result) + 1) {
-            line(if k < u32::from(n_params) { format!("var r{k} = a{k};") } else { format!("var r{k} = 0.0;") });
-        }
-        for i in code {
-            let (a, b, c) = (format!("r{}", i.a), format!("r{}", i.b), format!("r{}", i.c));
+        let tables = self.tables;
+        let code = &tables.instrs[start as usize..][..len as usize];
+        // What each register holds now: the name of a value, or a number. Numbers are written where they are used, so that functions of one shape are one
+        // text, whichever of their numbers are equal.
+        let calls = code.iter().filter(|i| matches!(i.op, Op::Call)).map(|i| usize::from(i.dst) + 5).max().unwrap_or(0);
+        let n_held = (n_regs as usize).max(calls).max(usize::from(result) + 1);
+        let mut held: Vec<Held> = (0..n_held).map(|_| Held::Number(0.0)).collect();
+        (0..usize::from(n_params)).for_each(|k| held[k] = Held::Name(format!("a{k}")));
+        let mut text = String::new();
+        for (k, i) in code.iter().enumerate() {
+            let dst = usize::from(i.dst);
+            let mut args = |site: &CallSite| -> Vec<String> {
+                let list = &tables.call_args[site.args_start as usize..][..usize::from(site.n_args)];
+                list.iter().map(|r| held[usize::from(*r)].text(constant)).collect()
+            };
             let value = match i.op {
                 Op::Const => {
-                    let v = self.tables.constants[wide_index(i)];
+                    let v = tables.constants[wide_index(i)];
                     if v.is_nan() {
                         return Err(refused("a function with a constant that is no number"));
                     }
-                    literal(v)
+                    held[dst] = Held::Number(v);
+                    continue;
                 }
-                Op::Noise => self.noise_call(&format!("vec3f({a}, {b}, {c})")),
                 Op::Internal => {
-                    let site = self.tables.call_sites[wide_index(i)];
-                    let args = self.site_args(&site);
-                    self.internal_call(site.function, &args)?
+                    let site = tables.call_sites[wide_index(i)];
+                    self.internal_call(site.function, &args(&site))?
                 }
                 Op::Call => {
-                    let site = self.tables.call_sites[wide_index(i)];
-                    let call = self.user_call(site.function, self.site_args(&site))?;
-                    let n = self.n_results(site.function);
-                    let parts: String = (0..n).map(|k| format!(" r{} = found[{k}];", usize::from(i.dst) + k)).collect();
-                    line(format!("{{ let found = {call};{parts} }}"));
+                    let site = tables.call_sites[wide_index(i)];
+                    let call = self.user_call(site.function, args(&site))?;
+                    writeln!(text, "    let v{k} = {call};").expect("strings take text");
+                    (0..self.n_results(site.function)).for_each(|part| held[dst + part] = Held::Name(format!("v{k}[{part}]")));
                     continue;
                 }
                 Op::Sum | Op::Prod => {
-                    let site = self.tables.call_sites[wide_index(i)];
-                    let mut args = self.site_args(&site);
+                    let site = tables.call_sites[wide_index(i)];
+                    let mut args = args(&site);
                     let bounds: Vec<String> = args.drain(..2).collect();
                     args.push("index".to_owned());
                     let call = self.user_call(site.function, args)?;
                     let (sign, start) = if i.op == Op::Sum { ("+", "0.0") } else { ("*", "1.0") };
-                    line(format!(
-                        "{{ var total = {start}; var index = {}; while index <= {} {{ total = total {sign} {call}[0]; index += 1.0; }} r{} = total; }}",
-                        bounds[0], bounds[1], i.dst
-                    ));
+                    writeln!(
+                        text,
+                        "    var v{k} = {start};\n    {{ var index = {}; while index <= {} {{ v{k} = v{k} {sign} {call}[0]; index += 1.0; }} }}",
+                        bounds[0], bounds[1]
+                    )
+                    .expect("strings take text");
+                    held[dst] = Held::Name(format!("v{k}"));
                     continue;
                 }
-                op => plain_operation(op, &a, &b, &c)?,
+                op => {
+                    let [a, b, c] = [i.a, i.b, i.c].map(|r| held[usize::from(r)].text(constant));
+                    if op == Op::Noise { self.noise_call(&format!("vec3f({a}, {b}, {c})")) } else { plain_operation(op, &a, &b, &c)? }
+                }
             };
-            line(format!("r{} = {value};", i.dst));
+            writeln!(text, "    let v{k} = {value};").expect("strings take text");
+            held[dst] = Held::Name(format!("v{k}"));
         }
-        line(format!("return {};", one_result(&format!("r{result}"))));
+        writeln!(text, "    return {};", one_result(&held[usize::from(result)].text(constant))).expect("strings take text");
         Ok(text)
-    }
-
-    fn site_args(&self, site: &CallSite) -> Vec<String> {
-        self.tables.call_args[site.args_start as usize..][..usize::from(site.n_args)].iter().map(|r| format!("r{r}")).collect()
     }
 
     pub fn user_call(&mut self, function: FunctionIx, mut args: Vec<String>) -> Result<String, BackendError> {

@@ -99,7 +99,7 @@ impl TextureEncoder<'_> {
                 let parts = [f.exterior, f.interior].map(|(kind, factor)| [u32::from(kind), bits(factor)]);
                 [&own[..], &parts[0], &parts[1]].concat()
             }
-            PatternCode::Function(ix) => vec![self.function(ix)?],
+            PatternCode::Function(ix) => vec![self.function(ix)],
             PatternCode::Gradient(direction) => reals(direction),
             PatternCode::Image(ix) => vec![self.image(ix)],
             PatternCode::Object(slot) => self.insides.get(slot as usize).copied().unwrap_or_default().to_vec(),

@@ -3,17 +3,20 @@
 //! fewer wait than a step takes, and shadow rays that go on behind clear surfaces wait for those of the next step, so that the device is full
 //! until the last rays of all.
 //!
-//! Stages: `generate_rays` (of focal blur `lens_rays`), then until the queue is empty `trace_closest`, where there are media `media_round`, `shade`,
+//! Stages: `camera_rays` (of focal blur `lens_rays`, of the host's own rays `generate_rays`), then until the queue is empty `trace_closest`, where there are media `media_round`, `shade`,
 //! `trace_shadow`, `filter_shadow`. Where light is asked for in rounds (area lights, lit media) the shadow rays of a step are followed to their ends
 //! before `area_round` and `media_round` look at what arrived and ask again. `project_light` comes before `trace_shadow` where lights are projected
 //! through objects.
 
-use super::buffers::{FAULT_INTERIORS, SceneBuffers};
+use super::buffers::{FAULT_INTERIORS, SceneBuffers, low_part};
+use super::camera_buffers::DeviceCamera;
 use super::device::{Gpu, binding_layout, uniform_layout};
 use super::layout::{AreaTask, Batch, Counters, Hit, Ray, ShadowRay, Start};
 use super::shader::assemble;
 use super::stage_clock::StageClock;
 use crate::backend::BackendError;
+use crate::integrate::antialias::Sample;
+use crate::kernel::lens::Lens;
 use bytemuck::{Pod, bytes_of, cast_slice};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -24,8 +27,8 @@ use std::time::{Duration, Instant};
 const MAX_SAMPLES: u32 = 1 << 18;
 /// A software device has its cores busy with far fewer, and smaller steps can be cancelled sooner.
 const MAX_SAMPLES_SOFTWARE: u32 = 1 << 15;
-/// Camera rays that one call may bring, in steps: 16 bytes each.
-const SLOTS_PER_SAMPLE: u32 = 4;
+/// Camera rays that one call may bring, in steps: 16 bytes each, and as many for the place that they look through.
+const SLOTS_PER_SAMPLE: u32 = 8;
 /// Points of area lights that are kept at once: 16 bytes each.
 const MAX_AREA_POINTS: u32 = 1 << 23;
 const MAX_AREA_POINTS_SOFTWARE: u32 = 1 << 20;
@@ -35,6 +38,8 @@ const QUEUE_DEPTH: u32 = 4;
 /// less are made larger.
 const LONG_STEP: Duration = Duration::from_millis(400);
 const SHORT_STEP: Duration = Duration::from_millis(80);
+/// Places that one core carries over at a time.
+const CHUNK: usize = 1 << 8;
 /// The first step, of which nothing is known.
 const FIRST_BATCH: u32 = 1 << 14;
 
@@ -46,8 +51,9 @@ struct Stage {
 
 /// All kernels that a scene wants.
 struct Stages {
-    generate_rays: Stage,
-    lens_rays: Option<Stage>,
+    /// The one of the three that makes camera rays.
+    first_rays: Stage,
+    lens_sums: Option<Stage>,
     trace_closest: Stage,
     shade: Stage,
     trace_shadow: Stage,
@@ -75,6 +81,13 @@ pub(super) struct Wavefront<'g> {
     kept_hits: wgpu::Buffer,
     media_points: u32,
     starts: wgpu::Buffer,
+    positions: wgpu::Buffer,
+    lens_totals: wgpu::Buffer,
+    lens_open: wgpu::Buffer,
+    /// Which rays of the camera are made here.
+    camera: DeviceCamera,
+    /// Colours on their way to the host.
+    colors_copy: wgpu::Buffer,
     /// The counters on their way to the host.
     counters_copy: wgpu::Buffer,
     /// Samples that the device has room for in a step.
@@ -102,23 +115,88 @@ fn next_batch(n: u32, now: u32, most: u32, took: Duration) -> u32 {
     if took < SHORT_STEP && n == now { now.saturating_mul(2).min(most) } else { now }
 }
 
-/// Camera rays on their way into the queue: one of each start, or of each position these samples of the lens.
-struct Supply<'a> {
-    starts: &'a [Start],
-    lens: Option<Range<u32>>,
-    /// Rays made so far.
-    made: u32,
+/// Picture positions, integers at pixel centres.
+#[derive(Clone, Copy)]
+pub(super) enum Places<'a> {
+    /// Pixels row by row.
+    Pixels {
+        left: u32,
+        top: u32,
+        columns: u32,
+        rows: u32,
+    },
+    List(&'a [(f64, f64)]),
 }
 
-impl Supply<'_> {
-    /// Rays of a start.
-    fn of_each(&self) -> u32 {
-        self.lens.as_ref().map_or(1, |samples| samples.len() as u32)
+impl Places<'_> {
+    /// How many.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Pixels { columns, rows, .. } => *columns as usize * *rows as usize,
+            Self::List(list) => list.len(),
+        }
     }
 
-    fn n_rays(&self) -> u32 {
-        self.starts.len() as u32 * self.of_each()
+    /// Place number `k`.
+    pub fn at(&self, k: usize) -> (f64, f64) {
+        match *self {
+            Self::Pixels { left, top, columns, .. } => {
+                let (x, y) = (left + k as u32 % columns, top + k as u32 / columns);
+                (f64::from(x), f64::from(y))
+            }
+            Self::List(list) => list[k],
+        }
     }
+}
+
+/// Makes ray number so-and-so on the host.
+pub(super) type MakeStart<'a> = &'a (dyn Fn(usize) -> Start + Sync);
+
+/// Where camera rays come from.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    /// The host.
+    Made(MakeStart<'a>),
+    /// The device: of places that it has. Those of the lens: first of the open ones and the list that they stand in, first sample and how many of each.
+    Places { raster: [u32; 4], lens: Option<LensPart> },
+}
+
+/// Samples of the lens at some of the places that are not settled.
+#[derive(Clone, Copy)]
+struct LensPart {
+    open_first: u32,
+    open_side: u32,
+    first: u32,
+    samples: u32,
+}
+
+/// Camera rays on their way into the queue.
+struct Supply<'a> {
+    source: Source<'a>,
+    /// How many in all, and how many of them are in the queue.
+    n: u32,
+    sent: u32,
+    /// Those of the host that come next, made while the device was busy.
+    next: Vec<Start>,
+}
+
+impl<'a> Supply<'a> {
+    fn new(source: Source<'a>, n: u32) -> Self {
+        Self { source, n, sent: 0, next: Vec::new() }
+    }
+
+    /// The host's rays that are wanted next, `room` at most, and who makes them; `None` where nothing is to be done.
+    fn missing(&self, room: u32) -> Option<(MakeStart<'a>, Range<usize>)> {
+        let Source::Made(make) = self.source else { return None };
+        let n = room.min(self.n - self.sent) as usize;
+        let first = self.sent as usize;
+        (self.next.is_empty() && n > 0).then_some((make, first..first + n))
+    }
+}
+
+/// Rays of the host, on all cores.
+fn made((make, range): (MakeStart, Range<usize>)) -> Vec<Start> {
+    range.into_par_iter().map(make).collect()
 }
 
 /// What waits in the queues.
@@ -138,6 +216,8 @@ fn bytes<T: Pod>(n: u32) -> u64 {
 impl<'g> Wavefront<'g> {
     /// Uploads a scene and makes its pipelines; `clock` hears what each dispatch takes.
     pub fn new(gpu: &'g Gpu, scene: &SceneBuffers, clock: Option<&'g StageClock>) -> Result<Self, BackendError> {
+        // Places want all their bits: another hash would choose other points of a lens.
+        let camera = if gpu.has_double() { scene.camera } else { DeviceCamera::None };
         let most = if gpu.info.device_type == wgpu::DeviceType::Cpu { MAX_SAMPLES_SOFTWARE } else { MAX_SAMPLES };
         let fitting = gpu.max_binding() / (u64::from(QUEUE_DEPTH) * size_of::<Ray>() as u64);
         let max_samples = most.min(fitting.min(u64::from(u32::MAX)) as u32).max(1024);
@@ -175,19 +255,27 @@ impl<'g> Wavefront<'g> {
         let radiance = gpu.empty_buffer("radiance", bytes::<[f32; 4]>(max_slots) + bytes::<[f32; 4]>(max_area_points))?;
         let areas = gpu.empty_buffer("area lights at hits", bytes::<AreaTask>(max_areas))?;
         let counters_copy = gpu.read_buffer(size_of::<Counters>() as u64);
-        let starts = gpu.empty_buffer("camera rays", bytes::<Start>(max_samples))?;
+        let room_if = |holds: bool, size: u64| if holds { size } else { 0 };
+        let starts = gpu.empty_buffer("camera rays", room_if(camera == DeviceCamera::None, bytes::<Start>(max_samples)))?;
+        let positions = gpu.empty_buffer("picture places", room_if(camera != DeviceCamera::None, bytes::<[f32; 4]>(max_slots)))?;
+        let has_lens = camera == DeviceCamera::Lens;
+        let lens_totals = gpu.empty_buffer("sums over the lens", room_if(has_lens, 2 * bytes::<[f32; 4]>(max_slots)))?;
+        let lens_open = gpu.empty_buffer("open places", room_if(has_lens, bytes::<u32>(2 * max_slots + 1)))?;
+        let colors_copy = gpu.read_buffer(bytes::<[f32; 4]>(max_slots));
 
         let mut entries = vec![uniform_layout(0), uniform_layout(1)];
         entries.extend((2..12).map(|k| binding_layout(k, false)));
         entries.extend((12..19).map(|k| binding_layout(k, true)));
         entries.push(binding_layout(19, false));
         entries.push(binding_layout(20, true));
+        entries.push(binding_layout(21, false));
+        entries.extend((22..24).map(|k| binding_layout(k, true)));
         let scene_layout = gpu.group_layout("scene", &entries);
         let table_layout = gpu.group_layout("tables", &[binding_layout(0, false), binding_layout(1, false)]);
         let group = |a: &wgpu::Buffer, b: &wgpu::Buffer| {
             let mut list: Vec<&wgpu::Buffer> = vec![&params, &batch];
             list.extend(&fixed);
-            list.extend([&rays, &hits, &children, a, b, &counters, &radiance, &starts, &areas]);
+            list.extend([&rays, &hits, &children, a, b, &counters, &radiance, &starts, &areas, &positions, &lens_totals, &lens_open]);
             let numbered: Vec<(u32, &wgpu::Buffer)> = (0..).zip(list).collect();
             gpu.bind_group(&scene_layout, &numbered)
         };
@@ -200,20 +288,25 @@ impl<'g> Wavefront<'g> {
             options.feature_if("shadow_rays", name == "trace_shadow");
             options.feature_if("double", gpu.has_double());
             options.constant("AREA_POINTS_AT", max_slots);
+            options.constant("MAX_PLACES", max_slots);
             options.constant("MAX_AREA_POINTS", max_area_points);
             let start = Instant::now();
             let pipeline = gpu.compute_pipeline(name, &assemble(name, &options)?, name, &[&scene_layout, &table_layout])?;
             clock.inspect(|c| c.compiled(name, start.elapsed().as_secs_f64()));
             Ok(Stage { name, pipeline })
         };
-        // Drivers compile one pipeline on one core: all at once take as long as the longest. Positions of lens rays want all their bits: another
-        // hash would choose other places.
+        // Drivers compile one pipeline on one core: all at once take as long as the longest.
+        let first_rays = match camera {
+            DeviceCamera::None => "generate_rays",
+            DeviceCamera::Plain => "camera_rays",
+            DeviceCamera::Lens => "lens_rays",
+        };
         let wanted = [
-            ("generate_rays", true),
+            (first_rays, true),
             ("trace_closest", true),
             ("shade", true),
             ("trace_shadow", true),
-            ("lens_rays", scene.lens_at != 0 && gpu.has_double()),
+            ("lens_sums", has_lens),
             ("area_round", scene.max_areas > 0),
             ("media_round", scene.media),
             ("project_light", scene.lights.iter().any(|l| l.projected_at != 0)),
@@ -222,11 +315,11 @@ impl<'g> Wavefront<'g> {
         let made = wanted.par_iter().map(|(name, needed)| needed.then(|| stage(name)).transpose()).collect::<Result<Vec<_>, _>>()?;
         let Ok(
             [
-                Some(generate_rays),
+                Some(first_rays),
                 Some(trace_closest),
                 Some(shade),
                 Some(trace_shadow),
-                lens_rays,
+                lens_sums,
                 area_round,
                 media_round,
                 project_light,
@@ -237,7 +330,7 @@ impl<'g> Wavefront<'g> {
             unreachable!("the first four are always wanted")
         };
         let stages =
-            Stages { generate_rays, lens_rays, trace_closest, shade, trace_shadow, area_round, media_round, project_light, filter_shadow };
+            Stages { first_rays, lens_sums, trace_closest, shade, trace_shadow, area_round, media_round, project_light, filter_shadow };
         // No batch may send on more than the queues hold.
         let fitting = [
             n_children / scene.max_children.max(1),
@@ -263,6 +356,11 @@ impl<'g> Wavefront<'g> {
             kept_hits,
             media_points: scene.media_points,
             starts,
+            positions,
+            lens_totals,
+            lens_open,
+            camera,
+            colors_copy,
             counters_copy,
             max_samples,
             max_slots,
@@ -276,78 +374,150 @@ impl<'g> Wavefront<'g> {
         })
     }
 
-    /// Red, green, blue, transmit seen by up to `max_slots` camera rays; `None` when cancelled.
-    pub fn trace(&mut self, starts: &[Start], cancel: &AtomicBool) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
-        self.follow(Supply { starts, lens: None, made: 0 }, cancel)
+    /// Which rays of the camera are made here, of places alone.
+    pub fn camera(&self) -> DeviceCamera {
+        self.camera
     }
 
-    /// Whether samples of the lens are made here.
-    pub fn makes_lens_rays(&self) -> bool {
-        self.stages.lens_rays.is_some()
+    /// Appends to `found` the red, green, blue and transmit seen by `n` rays of the host, up to `max_slots`; false when cancelled.
+    pub fn trace_made(&mut self, n: u32, make: MakeStart, cancel: &AtomicBool, found: &mut Vec<Sample>) -> Result<bool, BackendError> {
+        let supply = Supply::new(Source::Made(make), n);
+        Ok(self.follow(supply, cancel)? && self.take(&self.radiance, n, found).map(|()| true)?)
     }
 
-    /// What `samples` of the lens see at each position, those of a position together; `None` when cancelled. At most `max_slots` in all, and `max_samples` of a
-    /// position.
-    pub fn trace_lens(
+    /// Appends what is seen at up to `max_slots` places, whose rays are made here, through the whole of a lens if there is one; false when cancelled.
+    pub fn trace(
         &mut self,
-        positions: &[Start],
-        samples: Range<u32>,
+        places: &Places,
+        lens: Option<&Lens>,
         cancel: &AtomicBool,
-    ) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
-        self.follow(Supply { starts: positions, lens: Some(samples), made: 0 }, cancel)
+        found: &mut Vec<Sample>,
+    ) -> Result<bool, BackendError> {
+        let n = places.len() as u32;
+        assert!(n <= self.max_slots, "the caller cuts its places into parts");
+        let raster = match *places {
+            Places::Pixels { left, top, columns, rows } => [left, top, columns, rows],
+            Places::List(list) => {
+                self.send_places(list);
+                [0; 4]
+            }
+        };
+        let Some(lens) = lens else {
+            let supply = Supply::new(Source::Places { raster, lens: None }, n);
+            return Ok(self.follow(supply, cancel)? && self.take(&self.radiance, n, found).map(|()| true)?);
+        };
+        let (mut first, mut group, mut n_open, mut side) = (0, 0, n, 0);
+        while first < lens.max_samples() && n_open > 0 {
+            let samples = lens.group(group).min(lens.max_samples() - first);
+            self.gpu.queue.write_buffer(&self.lens_open, 0, bytes_of(&0u32));
+            // As many places at a time as have slots for their samples.
+            let at_once = (self.max_slots / samples).max(1);
+            for open_first in (0..n_open).step_by(at_once as usize) {
+                let n_places = at_once.min(n_open - open_first);
+                let part = LensPart { open_first, open_side: side, first, samples };
+                if !self.follow(Supply::new(Source::Places { raster, lens: Some(part) }, n_places * samples), cancel)? {
+                    return Ok(false);
+                }
+                self.set_batch(Batch { n: n_places, ..camera_batch(raster, Some(part)) });
+                let mut encoder = self.encoder();
+                self.run(&mut encoder, self.stages.lens_sums.as_ref().expect("the scene has a lens"), 0, n_places);
+                self.gpu.queue.submit([encoder.finish()]);
+            }
+            let bytes = self.gpu.submit_and_read_into(self.encoder(), &self.lens_open, 0, 4, &self.counters_copy)?;
+            n_open = bytemuck::pod_read_unaligned(&bytes[..4]);
+            (first, group, side) = (first + samples, group + 1, 1 - side);
+        }
+        self.take(&self.lens_totals, n, found).map(|()| true)
     }
 
-    /// Makes the camera rays and follows them to their ends.
-    fn follow(&mut self, mut supply: Supply, cancel: &AtomicBool) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
-        let n = supply.n_rays();
-        assert!(n <= self.max_slots, "the caller cuts its samples into parts");
-        if n == 0 {
-            return Ok(Some(Vec::new()));
+    /// Carries places over: two numbers and what 32 bits leave off them.
+    fn send_places(&self, list: &[(f64, f64)]) {
+        let Some(size) = wgpu::BufferSize::new(bytes::<[f32; 4]>(list.len() as u32)) else { return };
+        let mut view = self.gpu.queue.write_buffer_with(&self.positions, 0, size).expect("the caller cuts its places into parts");
+        let words = |(x, y): &(f64, f64)| [*x as f32, *y as f32, low_part(*x), low_part(*y)];
+        let whole = list.len() / CHUNK * CHUNK;
+        let (chunks, mut rest) = view.slice(..).into_chunks::<{ 16 * CHUNK }>();
+        rest.copy_from_slice(cast_slice(&list[whole..].iter().map(words).collect::<Vec<[f32; 4]>>()));
+        let chunks: Vec<wgpu::WriteOnly<'_, [u8; 16 * CHUNK]>> = chunks.into_iter().collect();
+        chunks.into_par_iter().zip(list.par_chunks_exact(CHUNK)).for_each(|(to, from)| {
+            let numbers: [[f32; 4]; CHUNK] = std::array::from_fn(|k| words(&from[k]));
+            wgpu::WriteOnly::<[u8]>::from(to).copy_from_slice(cast_slice(&numbers));
+        });
+    }
+
+    /// Appends the first `n` colours of a buffer to `found`.
+    fn take(&self, buffer: &wgpu::Buffer, n: u32, found: &mut Vec<Sample>) -> Result<(), BackendError> {
+        self.clock.map_or(Ok(()), |c| c.read(self.gpu))?;
+        let start = found.len();
+        found.resize(start + n as usize, [0.0; 4]);
+        let size = bytes::<[f32; 4]>(n);
+        self.gpu.submit_and_map(self.encoder(), buffer, 0, size, &self.colors_copy, |bytes| {
+            found[start..].par_chunks_mut(1 << 12).zip(bytes.par_chunks(16 << 12)).for_each(|(to, from)| {
+                bytemuck::cast_slice_mut(to).copy_from_slice(from);
+                // As the CPU has it: what is not a number is black.
+                for s in to.iter_mut().filter(|s| !s[..3].iter().all(|v| v.is_finite())) {
+                    s[..3].fill(0.0);
+                }
+            });
+        })
+    }
+
+    /// Makes the camera rays and follows them to their ends; false when cancelled.
+    fn follow(&mut self, mut supply: Supply, cancel: &AtomicBool) -> Result<bool, BackendError> {
+        assert!(supply.n <= self.max_slots, "the caller cuts its samples into parts");
+        if supply.n == 0 {
+            return Ok(true);
         }
         let mut encoder = self.encoder();
-        encoder.clear_buffer(&self.radiance, 0, Some(bytes::<[f32; 4]>(n)));
+        encoder.clear_buffer(&self.radiance, 0, Some(bytes::<[f32; 4]>(supply.n)));
         self.gpu.queue.submit([encoder.finish()]);
         let mut waiting = Waiting { rays: 0, shadows: 0, side: 0 };
         loop {
             if cancel.load(Ordering::Relaxed) {
-                return Ok(None);
+                return Ok(false);
             }
-            while supply.made < n && waiting.rays < self.batch_now {
+            while supply.sent < supply.n && waiting.rays < self.batch_now {
                 waiting.rays += self.generate(&mut supply, waiting.rays);
             }
             if waiting.rays == 0 {
                 break;
             }
-            waiting = self.step(waiting)?;
+            // The host makes the next rays while the device works.
+            waiting = match supply.missing(self.max_samples) {
+                Some(work) => {
+                    let (after, next) = rayon::join(|| self.step(waiting), || made(work));
+                    supply.next = next;
+                    after?
+                }
+                None => self.step(waiting)?,
+            };
         }
         self.shadow_steps(waiting.shadows, waiting.side)?;
-        self.clock.map_or(Ok(()), |c| c.read(self.gpu))?;
-        let found = self.gpu.submit_and_read(self.encoder(), &self.radiance, 0, bytes::<[f32; 4]>(n))?;
-        let mut samples: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&found);
-        // As the CPU has it: what is not a number is black.
-        for s in samples.iter_mut().filter(|s| !s[..3].iter().all(|v| v.is_finite())) {
-            s[..3].fill(0.0);
-        }
-        Ok(Some(samples))
+        Ok(true)
     }
 
     /// Puts the next camera rays in the queue behind the `waiting` ones; gives how many.
     fn generate(&self, supply: &mut Supply, waiting: u32) -> u32 {
-        let of_each = supply.of_each();
         let room = self.max_samples.min(self.queue_len - waiting);
-        let first = supply.made / of_each;
-        let n_starts = (room / of_each).min(supply.starts.len() as u32 - first);
-        let starts = &supply.starts[first as usize..(first + n_starts) as usize];
-        let n = n_starts * of_each;
-        self.gpu.queue.write_buffer(&self.starts, 0, cast_slice(starts));
-        let lens_first = supply.lens.as_ref().map_or(0, |samples| samples.start);
-        self.set_batch(Batch { first: waiting, n, slot: supply.made, lens_first, lens_samples: of_each, ..Batch::default() });
+        let mut n = room.min(supply.n - supply.sent);
+        let batch = match supply.source {
+            Source::Made(_) => {
+                if let Some(work) = supply.missing(room) {
+                    supply.next = made(work);
+                }
+                let rest = supply.next.split_off((n as usize).min(supply.next.len()));
+                let starts = std::mem::replace(&mut supply.next, rest);
+                n = starts.len() as u32;
+                self.gpu.queue.write_buffer(&self.starts, 0, cast_slice(&starts));
+                Batch::default()
+            }
+            Source::Places { raster, lens } => camera_batch(raster, lens),
+        };
+        self.set_batch(Batch { first: waiting, n, slot: supply.sent, ..batch });
         let mut encoder = self.encoder();
-        let of_lens = "the caller asked whether lens rays are made here";
-        let stage = supply.lens.as_ref().map_or(&self.stages.generate_rays, |_| self.stages.lens_rays.as_ref().expect(of_lens));
-        self.run(&mut encoder, stage, 0, n);
+        self.run(&mut encoder, &self.stages.first_rays, 0, n);
         self.gpu.queue.submit([encoder.finish()]);
-        supply.made += n;
+        supply.sent += n;
         n
     }
 
@@ -487,7 +657,8 @@ impl<'g> Wavefront<'g> {
     }
 
     fn run(&self, encoder: &mut wgpu::CommandEncoder, stage: &Stage, side: usize, n: u32) {
-        let timed = self.clock.and_then(|c| c.begin(stage.name, n));
+        // Nothing writes the times of what is not started.
+        let timed = self.clock.filter(|_| n > 0).and_then(|c| c.begin(stage.name, n));
         self.gpu.dispatch_timed(encoder, &stage.pipeline, &[&self.groups[side], &self.tables], n, timed);
     }
 
@@ -510,6 +681,18 @@ impl<'g> Wavefront<'g> {
             _ => Err(BackendError::Unsupported("hits that send on more rays than was foreseen".into())),
         }
     }
+}
+
+/// What the stages that make rays are told of their places.
+fn camera_batch([left, top, columns, rows]: [u32; 4], lens: Option<LensPart>) -> Batch {
+    let of_places = Batch { left, top, columns, rows, ..Batch::default() };
+    lens.map_or(of_places, |l| Batch {
+        lens_first: l.first,
+        lens_samples: l.samples,
+        open_first: l.open_first,
+        open_side: l.open_side,
+        ..of_places
+    })
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::default_maps::default_map;
 use super::*;
 use crate::compile::NONE;
-use crate::compile::function::{FunctionNode, compile_expr};
+use crate::compile::function::{FunctionKey, FunctionNode, compile_expr};
 use crate::compile::spline::second_derivatives;
 use crate::math::noise::noise_vector;
 use crate::math::random::lcg_step;
@@ -37,6 +37,8 @@ pub struct TextureBuilder {
     number_of_waves: u32,
     /// Indices by the address of the shared part.
     known: HashMap<(*const (), u8), u32>,
+    /// User functions by what they do.
+    compiled: HashMap<FunctionKey, FunctionIx>,
     /// Keeps addresses taken.
     keep: Vec<Arc<dyn Any>>,
     texture_traits: Vec<Traits>,
@@ -76,6 +78,7 @@ impl TextureBuilder {
             tables: TextureTables { noise_generator: settings.noise_generator, ..TextureTables::default() },
             number_of_waves: settings.number_of_waves,
             known: HashMap::new(),
+            compiled: HashMap::new(),
             keep: Vec::new(),
             texture_traits: Vec::new(),
             pigment_traits: Vec::new(),
@@ -413,7 +416,10 @@ impl TextureBuilder {
             return ix;
         }
         let node = match &f.body {
-            FunctionBody::Expr(e) => compile_expr(self, e, f.n_params),
+            FunctionBody::Expr(e) => {
+                let ix = compile_expr(self, e, f.n_params);
+                return self.learn(f, table::FUNCTION, ix);
+            }
             FunctionBody::Internal(n) => FunctionNode::Internal(*n),
             FunctionBody::Pigment(p) => FunctionNode::Pigment(self.pigment(p)),
             FunctionBody::Pattern(p) => FunctionNode::Pattern(self.pattern(p)),
@@ -427,10 +433,21 @@ impl TextureBuilder {
         self.learn(f, table::FUNCTION, ix)
     }
 
-    /// Enters a function that has no `Arc` of its own.
-    pub(crate) fn add_function(&mut self, node: FunctionNode) -> FunctionIx {
+    fn add_function(&mut self, node: FunctionNode) -> FunctionIx {
         self.tables.functions.push(node);
         self.tables.functions.len() as u32 - 1
+    }
+
+    /// An expression that is compiled already.
+    pub(crate) fn compiled(&self, key: &FunctionKey) -> Option<FunctionIx> {
+        self.compiled.get(key).copied()
+    }
+
+    /// Enters a compiled expression.
+    pub(crate) fn add_compiled(&mut self, key: FunctionKey, node: FunctionNode) -> FunctionIx {
+        let ix = self.add_function(node);
+        self.compiled.insert(key, ix);
+        ix
     }
 
     /// The tables so far.
