@@ -13,6 +13,7 @@ use rayloom::integrate::RenderSettings;
 use rayloom::kernel::query::KernelQuery;
 use rayloom::lang::{LangOptions, parse_scene};
 use rayloom::math::{DVec3, Rgbft, Vec3};
+use rayloom::scene::camera::{Panorama, Projection};
 use rayloom::scene::light::{Fade, LightKind};
 use rayloom::scene::material::{AlphaMode, MaterialImage, MaterialTexture, Texels, Wrap};
 use rayloom::scene::{Interior, Light, Mesh, Object, Principled, Scene, Shape, Texture};
@@ -146,6 +147,24 @@ fn imported_materials_agree_with_the_cpus() {
     save(&ours, "imported.gpu");
     save(&gold, "imported.cpu");
     assert!(share >= SHARE_WITHIN, "{:.2} % (see target/gpu)", 100.0 * share);
+}
+
+#[test]
+fn panoramas_of_blender_agree_with_the_cpus() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = imported_scene();
+    let all = [
+        Panorama::Equirectangular { longitude: [-2.0, 2.0], latitude: [-1.0, 1.2] },
+        Panorama::MirrorBall,
+        Panorama::Cylinder { longitude: [-1.5, 1.0], height: [-0.8, 0.8], radius: 1.0 },
+    ];
+    for panorama in all {
+        scene.camera.projection = Projection::Panorama(panorama);
+        let ours = render(&gpu, &scene, &settings()).expect("renders");
+        let gold = render(&CpuBackend::new(2), &scene, &settings()).expect("renders");
+        let share = share_within(&ours, &gold);
+        assert!(share >= SHARE_WITHIN, "{panorama:?}: {:.2} %", 100.0 * share);
+    }
 }
 
 #[test]

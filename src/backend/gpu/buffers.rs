@@ -1,7 +1,7 @@
 //! A compiled scene as the arrays that the shaders read: structs (`layout`), and words for what differs in length.
 //! Twin of the bindings: `shaders/shared/bindings.wesl`.
 
-use super::camera::start_interiors;
+use super::camera::{crowded, start_interiors};
 use super::camera_buffers::{DeviceCamera, camera_words};
 use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
 use super::material_buffers::{encode_materials, material_constants};
@@ -164,7 +164,7 @@ impl SceneBuffers {
         let transparency = g.prims.iter().any(|p| p.flags & prim_flags::TRANSPARENT != 0);
         let around: Vec<u32> = start_interiors(scene, plan).iter().collect();
         if around.len() > params.camera_interiors.len() {
-            return Err(BackendError::Unsupported("a camera inside more than eight objects".into()));
+            return Err(crowded());
         }
         params.camera_interiors[..around.len()].copy_from_slice(&around);
         params.n_camera_interiors = around.len() as u32;

@@ -5,7 +5,7 @@
 //! rays start at the box, so that what is left of the way is short.
 
 use super::buffers::{low_part, low_part3, v3};
-use super::layout::Start;
+use super::layout::{MAX_INTERIORS, Start};
 use super::wavefront::Places;
 use crate::backend::BackendError;
 use crate::compile::CompiledScene;
@@ -24,10 +24,11 @@ pub(super) struct CameraRays<'s> {
     plan: &'s ScenePlan,
     /// Box of everything that can be met, if rays may start at it.
     start_box: Option<Bounds>,
-    /// What all rays must start in, where some may not.
-    around: Option<InteriorList>,
-    /// One did not.
-    strays: AtomicBool,
+    /// What rays start in, unless each is asked.
+    around: InteriorList,
+    is_watched: bool,
+    /// One started in more than a ray can be in.
+    is_crowded: AtomicBool,
 }
 
 impl<'s> CameraRays<'s> {
@@ -40,22 +41,17 @@ impl<'s> CameraRays<'s> {
         let start_box = all.filter(|b| is_empty && g.unbounded.is_empty() && b.min.is_finite() && b.max.is_finite());
         let is_seen = !scene.fogs.is_empty() || scene.features.media || g.prims.iter().any(|p| p.flags & prim_flags::TRANSPARENT != 0);
         let is_watched = plan.camera_interiors.is_none() && is_seen;
-        let around = is_watched.then(|| start_interiors(scene, plan));
-        Self { scene, plan, start_box, around, strays: AtomicBool::new(false) }
+        Self { scene, plan, start_box, around: start_interiors(scene, plan), is_watched, is_crowded: AtomicBool::new(false) }
     }
 
-    /// Refuses a camera some of whose rays started inside other things than the rest: the shaders know one list.
+    /// Refuses a camera some of whose rays started inside more than shaders keep.
     pub fn check(&self) -> Result<(), BackendError> {
-        if self.strays.load(Ordering::Relaxed) {
-            Err(BackendError::Unsupported("cameras whose rays start inside different objects".into()))
-        } else {
-            Ok(())
-        }
+        if self.is_crowded.load(Ordering::Relaxed) { Err(crowded()) } else { Ok(()) }
     }
 
     /// Whether all rays start inside the same things for certain, so that the device may make them.
     pub fn is_unwatched(&self) -> bool {
-        self.around.is_none()
+        !self.is_watched
     }
 
     /// Where rays may start: the box of everything that can be met.
@@ -94,16 +90,24 @@ impl<'s> CameraRays<'s> {
     }
 
     fn start(&self, ray: &Ray) -> Start {
-        if let Some(around) = &self.around
-            && !interiors_at(self.scene, ray.origin).iter().eq(around.iter())
-        {
-            self.strays.store(true, Ordering::Relaxed);
+        let own = self.is_watched.then(|| interiors_at(self.scene, ray.origin));
+        let around = own.as_ref().unwrap_or(&self.around);
+        if around.len() > MAX_INTERIORS {
+            self.is_crowded.store(true, Ordering::Relaxed);
         }
+        let mut interiors = [0; MAX_INTERIORS];
+        interiors.iter_mut().zip(around.iter()).for_each(|(to, from)| *to = from);
+        let n_interiors = around.len().min(MAX_INTERIORS) as u32;
         let t = self.start_box.map_or(0.0, |b| entry(ray, &b));
         let origin = ray.at(t);
         let (origin_low, dir_low) = (low_part3(origin), low_part3(ray.dir));
-        Start { origin: v3(origin), shown: 1, dir: v3(ray.dir), origin_low, dir_low, ..Start::default() }
+        Start { origin: v3(origin), shown: 1, dir: v3(ray.dir), origin_low, dir_low, n_interiors, interiors, ..Start::default() }
     }
+}
+
+/// Why a scene is refused whose camera is inside so many things.
+pub(super) fn crowded() -> BackendError {
+    BackendError::Unsupported("a camera inside more than eight objects".into())
 }
 
 /// The interiors that camera rays start in: those of the camera's place, or of a ray of its mesh.

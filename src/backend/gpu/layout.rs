@@ -67,9 +67,10 @@ shared! {
         dir: [f32; 3],
         key: u32,
         origin_low: [f32; 3],
-        padding0: u32,
+        n_interiors: u32,
         dir_low: [f32; 3],
-        padding1: u32,
+        padding: u32,
+        interiors: [u32; MAX_INTERIORS],
     }
     /// What one step works on.
     struct Batch {

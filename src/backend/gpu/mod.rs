@@ -399,13 +399,16 @@ impl Picture<'_> {
                 if !is_done {
                     return Ok(false);
                 }
-                for (k, own) in part.iter().zip(self.found.chunks(more as usize)) {
-                    let (sum, sum_sq) = &mut sums[*k];
+                let with_own = |(k, own): (&usize, &[Sample])| {
+                    let (mut sum, mut sum_sq) = sums[*k];
                     for s in own {
                         (0..4).for_each(|c| sum[c] += s[c]);
                         (0..4).for_each(|c| sum_sq[c] += s[c] * s[c]);
                     }
-                }
+                    (sum, sum_sq)
+                };
+                let grown: Vec<_> = part.par_iter().zip(self.found.par_chunks(more as usize)).map(with_own).collect();
+                part.iter().zip(grown).for_each(|(k, new)| sums[*k] = new);
             }
             self.camera.check()?;
             n += more;

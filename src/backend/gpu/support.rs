@@ -8,7 +8,6 @@ use crate::compile::geometry::{PrimKind, prim_flags};
 use crate::compile::texture::TextureNode;
 use crate::compile::{CompiledScene, NONE};
 use crate::math::Vec3;
-use crate::scene::Projection;
 
 /// Kinds of primitives that the shaders know, with the name of their feature.
 pub(super) const KINDS: &[(PrimKind, &str)] = &[
@@ -103,7 +102,6 @@ fn obstacles(scene: &CompiledScene) -> Vec<String> {
         (f.dispersion, "dispersion"),
         (scene.lights.iter().any(|l| l.light.radius > 0.0), "lights with a radius"),
         (scene.textures.finishes.iter().any(|f| f.reflection.exponent != 1.0), "reflection_exponent"),
-        (matches!(scene.camera.projection, Projection::Panorama(_)), "panoramas of Blender's"),
         (nested_bounds(scene), "bounded_by inside bounded_by"),
         (scene.geometry.shapes.polys.iter().any(|s| s.order > MOST_POLY_ORDER), "polynomials of an order above 10"),
     ];

@@ -70,6 +70,14 @@ impl FunctionText {
     }
 }
 
+/// What drivers have to write out for a module of functions, in calls of noise: they put a function in wherever it is called. A pattern brings all kinds of
+/// patterns with it.
+pub(super) fn weight_of(module: &str) -> usize {
+    let n = |name: &str| module.matches(name).count();
+    let sums = n("internal_hetero_mf(") + n("internal_ridge(") + n("internal_ridged_mf(");
+    n("noise(") + 2 * sums + n("warp_point(") + 4 * n("free_value(") + n("\n") / 32
+}
+
 /// Functions that differ in numbers alone: written once, each finds its numbers in a table.
 struct Alike {
     members: Vec<FunctionIx>,
