@@ -276,14 +276,17 @@ impl TextureEncoder<'_> {
         let tables = self.tables;
         let code = &tables.instrs[start as usize..][..len as usize];
         // What each register holds now: the name of a value, or a number. Numbers are written where they are used, so that functions of one shape are one
-        // text, whichever of their numbers are equal.
+        // text, whichever of their numbers are equal (a product that occurs twice is another shape: it is worked out once).
         let calls = code.iter().filter(|i| matches!(i.op, Op::Call)).map(|i| usize::from(i.dst) + 5).max().unwrap_or(0);
         let n_held = (n_regs as usize).max(calls).max(usize::from(result) + 1);
         let mut held: Vec<Held> = (0..n_held).map(|_| Held::Number(0.0)).collect();
         (0..usize::from(n_params)).for_each(|k| held[k] = Held::Name(format!("a{k}")));
         let mut text = String::new();
-        for (k, i) in code.iter().enumerate() {
+        // Values are counted without the numbers between them.
+        let mut k = 0;
+        for i in code {
             let dst = usize::from(i.dst);
+            k += usize::from(i.op != Op::Const);
             let mut args = |site: &CallSite| -> Vec<String> {
                 let list = &tables.call_args[site.args_start as usize..][..usize::from(site.n_args)];
                 list.iter().map(|r| held[usize::from(*r)].text(constant)).collect()
