@@ -47,7 +47,19 @@ impl Microfacet {
         }
     }
 
+    /// Whether facets that the viewer sees send anything to `l`: refraction is evaluated beyond that, see [`Microfacet::eval`].
+    pub fn is_drawn(&self, v: Vec3, l: Vec3) -> bool {
+        let h = v + l * self.fresnel.eta();
+        let h = if h.z < 0.0 { -h } else { h };
+        l.z > 0.0 || (v.dot(h) > 0.0 && l.dot(h) < 0.0)
+    }
+
     /// Value times the light's cosine, and density.
+    ///
+    /// Refraction is Walter et al.'s formula in absolute values, with Fresnel's term of the absolute cosine, for every `l` behind the surface: also
+    /// where the facet that would bend `l` to `v` faces away from the viewer or has both on one side. Such directions are never drawn
+    /// ([`Microfacet::is_drawn`]), so the density exceeds the sampler's there, and lamps that are asked give more light through rough glass
+    /// than the same lamps met by chance. Source: Cycles, measured (`tests/measured/cycles_refraction.txt`; suite `path/material/refraction_lamps`).
     pub fn eval(&self, v: Vec3, l: Vec3) -> (Rgb, f32) {
         let zero = (Vec3::ZERO, 0.0);
         if v.z <= 0.0 || self.ggx.is_singular() {
@@ -69,15 +81,11 @@ impl Microfacet {
                 return zero;
             }
             let Some(h) = (v + l * eta).try_normalize() else { return zero };
-            // Towards the viewer's side.
-            let h = if h.z < 0.0 { -h } else { h };
             let (vh, lh) = (v.dot(h), l.dot(h));
-            if vh <= 0.0 || lh >= 0.0 {
-                return zero;
-            }
-            let (r, t, _) = self.fresnel.eval(vh);
             let root = vh + eta * lh;
-            let jacobian = eta * eta * -lh / (root * root);
+            let (vh, lh) = (vh.abs(), lh.abs());
+            let (r, t, _) = self.fresnel.eval(vh);
+            let jacobian = eta * eta * lh / (root * root);
             let d = self.ggx.d(h) * vh / v.z * jacobian;
             let (lv, ll) = (self.ggx.lambda(v), self.ggx.lambda(Vec3::new(l.x, l.y, -l.z)));
             (t * (d / (1.0 + lv + ll)), d / (1.0 + lv) * (1.0 - self.reflect_chance(r, t)))

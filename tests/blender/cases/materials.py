@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shader nodes: textures, values, what is baked, attributes, light paths."""
 
+import os
+
 import bpy
 import numpy as np
+import stage
 import trees
 from stage import beside_cycles, emission, log_texts, module, new_scene, render, say, wall
 
@@ -296,3 +299,38 @@ def case_projected_pictures_are_cycles():
     off = {f"{c[0]} {c[1]}": float(np.abs(ours - theirs)[4:28, 32 * k + 4 : 32 * k + 28].mean()) for k, c in enumerate(choices)}
     say(", ".join(f"{k} {v:.4f}" for k, v in off.items()))
     assert theirs.mean() > 0.1 and max(off.values()) < 0.015, off
+
+
+def case_every_type_of_sky_has_its_model():
+    """The types of sky that this Blender has, by the names of the file's schema, which are told apart by version; those that scatter beside Cycles."""
+    expected = {
+        "PREETHAM": "preetham",
+        "HOSEK_WILKIE": "hosekWilkie",
+        "NISHITA": "nishita",
+        "SINGLE_SCATTERING": "singleScattering",
+        "MULTIPLE_SCATTERING": "multipleScattering",
+    }
+    scene = new_scene((96, 32), 4)
+    scene.camera.data.angle = 2.0
+    world = scene.world = bpy.data.worlds.new("World")
+    world.use_nodes = True
+    tree = world.node_tree
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    back = next(n for n in tree.nodes if n.type == "BACKGROUND")
+    back.inputs["Strength"].default_value = 0.1
+    tree.links.new(sky.outputs[0], back.inputs["Color"])
+    types = [item.identifier for item in sky.bl_rna.properties["sky_type"].enum_items]
+    assert len(types) >= 3 and set(types) <= set(expected), types
+    for kind in types:
+        scene.render.engine, sky.sky_type = "RAYLOOM", kind
+        document = module("exporting").export_scene(os.path.join(stage.FOLDER, "sky.glb"), scene).gltf.document
+        nodes = document["extensions"]["RAYLOOM_scene"]["world"]["nodes"]
+        models = [n["model"] for n in nodes if n["type"] == "sky"]
+        assert models == [expected[kind]], (kind, models)
+        if kind in {"PREETHAM", "HOSEK_WILKIE"}:
+            continue
+        sky.sun_disc, sky.sun_elevation, sky.sun_rotation = False, 0.3, 0.4
+        ours, theirs = beside_cycles("sky", (96, 32), 16)
+        off = float(np.abs(ours - theirs).mean() / theirs.mean())
+        say(f"{kind}: {100 * off:.2f} % off")
+        assert theirs[4].mean() > 0.05 and off < 0.01, (kind, off)

@@ -1,7 +1,7 @@
 """Every lobe of the Principled BSDF and every closure: a ball on the stage."""
 
 
-from .stage import ball, box, case, closure, lamp, material, node, principled, quad, show, stage
+from .stage import ball, box, camera, case, closure, lamp, material, node, principled, quad, show, stage, world
 
 
 def lobe(name, about, size=(72, 54), spp=16, properties=None, **sockets):
@@ -138,3 +138,17 @@ def back_faces():
     quad("Matt", corners[::-1], principled(Base_Color=RUST, Roughness=0.4))
     quad("Clear", [(x + 1.7, y, z) for x, y, z in corners][::-1], principled(Transmission_Weight=1.0, Roughness=0.2))
     lamp("POINT", (0, 2, 1.5), None, 80.0)
+
+
+@case("material/refraction_lamps", "Frosted panes seen at a slant, lamps behind: they answer lamps in directions that they never send light from.", spp=64)
+def refraction_lamps():
+    world((0, 0, 0))
+    m, tree, out = material("Half")
+    frosted = node(tree, "ShaderNodeBsdfRefraction", Roughness=0.9, IOR=1.45)
+    matt = node(tree, "ShaderNodeBsdfTranslucent", Color=(0.8, 0.8, 0.8))
+    tree.links.new(_mixed(tree, frosted.outputs[0], matt.outputs[0], 0.3).outputs[0], out.inputs["Surface"])
+    quad("Left", [(-4, -4, 0), (0, -4, 0), (0, 4, 0), (-4, 4, 0)], closure("Frosted", "ShaderNodeBsdfRefraction", Roughness=0.9, IOR=1.45))
+    quad("Right", [(0, -4, 0), (4, -4, 0), (4, 4, 0), (0, 4, 0)], m)
+    lamp("AREA", (0, 0, -1.5), (0, 0, 0), 150.0, size=2.0)
+    lamp("POINT", (1.5, -2, -0.5), None, 10.0, color=(1.0, 0.5, 0.2), shadow_soft_size=0.1)
+    camera((0.0, -5.0, 1.8), (0.0, 0.0, 0.0))
