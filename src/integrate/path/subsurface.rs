@@ -272,7 +272,8 @@ mod tests {
     fn the_shader_has_the_same_coefficients() {
         let shader = include_str!("../../../shaders/path/walk.wesl");
         let numbers = |text: &str| -> Vec<f32> { text.split([',', ' ', '(', ')']).filter_map(|w| w.trim().parse().ok()).collect() };
-        let rows: Vec<Vec<f32>> = shader.lines().filter(|l| l.trim().starts_with("vec4f(-") || l.trim().starts_with("vec4f(0.")).map(numbers).collect();
+        let rows: Vec<Vec<f32>> =
+            shader.lines().filter(|l| l.trim().starts_with("vec4f(-") || l.trim().starts_with("vec4f(0.")).map(numbers).collect();
         let last = shader.lines().find(|l| l.contains("var last = array<f32, 9>")).map(numbers).expect("a row of 9");
         assert_eq!(rows.len(), 9);
         for (j, row) in rows.iter().enumerate() {
