@@ -42,8 +42,15 @@ fn scene_of(covers: &[String]) -> CompiledScene {
          #declare RIDGED = function { internal(59) }\n#declare HETERO = function { internal(29) }\n#declare RIDGE = function { internal(58) }\n\
          #declare BOX = function { internal(60) }\n#declare TORUS = function { internal(70) }\n#declare SPHERE = function { internal(61) }\n\
          #declare R = function { internal(57) }\n#declare TH = function { internal(69) }\n#declare PH = function { internal(47) }\n\
-         #declare HELIX = function { internal(25) }\n",
+         #declare HELIX = function { internal(25) }\n\
+         #declare MAPPED = function { pigment { gradient x warp { turbulence .2 } pigment_map { [0 bozo scale .3] [.5 rgb <.4, .2, .9>]\
+         [1 average pigment_map { [1 granite] [2 checker rgb 0, rgb <1, 1, .5>] }] } } }\n\
+         #declare ASKING = function { pattern { function { MAPPED(x, y, z).blue + x } } }\n\
+         #declare GREYS = function { pattern { pigment_pattern { spherical color_map { [0 rgb <1, .5, 0>] [1 rgb 0] } scale 4 } } }\n",
     );
+    for n in (0..79).filter(|n| *n != 77) {
+        text += &format!("#declare BUILT_IN_{n} = function {{ internal({n}) }}\n");
+    }
     for cover in covers {
         text += &format!("sphere {{ 0, 1 {cover} }}\n");
     }
@@ -190,15 +197,16 @@ const CHUNK: usize = 10;
 
 /// Runs pigments of `sources` on both machines.
 fn compare_pigments(gpu: &Gpu, sources: &[String], spoil: impl Fn(&mut TextureWords)) -> Vec<Vec<f64>> {
-    sources.chunks(CHUNK).flat_map(|s| compare_some_pigments(gpu, s, &spoil)).collect()
+    sources.chunks(CHUNK).flat_map(|s| compare_some_pigments(gpu, s, None, &spoil)).collect()
 }
 
-fn compare_some_pigments(gpu: &Gpu, sources: &[String], spoil: impl Fn(&mut TextureWords)) -> Vec<Vec<f64>> {
+/// `most_written`: what their functions may weigh that are written out as WGSL; the others are interpreted.
+fn compare_some_pigments(gpu: &Gpu, sources: &[String], most_written: Option<usize>, spoil: impl Fn(&mut TextureWords)) -> Vec<Vec<f64>> {
     let covers: Vec<String> = sources.iter().map(|s| format!("pigment {{ {s} }}")).collect();
     let scene = scene_of(&covers);
     let pigments: Vec<u32> = textures_of(&scene).iter().map(|t| lowest_layer(&scene, *t).pigment).collect();
     assert_eq!(pigments.len(), sources.len());
-    let roots = TextureRoots { pigments: pigments.iter().copied().collect(), ..TextureRoots::default() };
+    let roots = TextureRoots { pigments: pigments.iter().copied().collect(), most_written, ..TextureRoots::default() };
     let mut words = encode_textures(&scene.textures, &roots, false).expect("everything here is known to the GPU");
     spoil(&mut words);
     let mut draw = Draw(1);
@@ -252,9 +260,8 @@ fn patterns_and_pigments_are_the_kernels() {
     report.check();
 }
 
-#[test]
-fn user_functions_are_the_kernels() {
-    let Some(gpu) = gpu() else { return };
+/// Functions of all that user functions know.
+fn function_sources() -> Vec<String> {
     let expressions = [
         "x*y + z - 1",
         "sin(3*x)*cos(y) + tan(z/9)",
@@ -272,14 +279,65 @@ fn user_functions_are_the_kernels() {
         "PAT(x*2, y, z) + G(x, z)",
         "TF(x, y, z).x - TF(z, y, x).z",
         "sum(i, 1, 5, sin(i*x)/i) + prod(i, 1, 3, 1 + y/(i*100))",
+        "MAPPED(x/3, y, z).red - MAPPED(y/3, z, x).green + MAPPED(x/20, y, z).blue",
+        "ASKING(x, y, z) + GREYS(x, y, z)/2 - PAT(y, z, x)",
     ];
-    let sources: Vec<String> =
-        expressions.iter().map(|e| format!("function {{ {e} }} color_map {{ [0 rgb 0][1 rgb 1] }} frequency 0")).collect();
+    expressions.iter().map(|e| format!("function {{ {e} }} color_map {{ [0 rgb 0][1 rgb 1] }} frequency 0")).collect()
+}
+
+#[test]
+fn user_functions_are_the_kernels() {
+    let Some(gpu) = gpu() else { return };
+    let sources = function_sources();
     let mut report = Report::new();
     for (source, distances) in sources.iter().zip(compare_pigments(&gpu, &sources, |_| ())) {
         report.add(source, &distances, 0.01);
     }
     report.check();
+}
+
+/// Each of POV-Ray's built-in functions, with parameters that none of them minds.
+#[test]
+fn built_in_functions_are_the_kernels() {
+    let Some(gpu) = gpu() else { return };
+    let numbers: Vec<u32> = (0..79).filter(|n| !matches!(n, 76 | 77)).collect();
+    let source = |n: &u32| {
+        let call = format!("BUILT_IN_{n}(x/5, y/5, z/5, 1.3, .7, .6, .8, .5, 1, 2, .4, .9, 1.1)");
+        format!("function {{ .5 + .45*{call}/(1 + abs({call})) }} color_map {{ [0 rgb 0][1 rgb 1] }} frequency 0")
+    };
+    let mut report = Report::new();
+    for (k, some) in numbers.chunks(CHUNK).enumerate() {
+        let sources: Vec<String> = some.iter().map(source).collect();
+        // Written out and interpreted, by turns.
+        for (source, distances) in sources.iter().zip(compare_some_pigments(&gpu, &sources, (k % 2 == 1).then_some(0), |_| ())) {
+            report.add(source, &distances, 0.01);
+        }
+    }
+    report.check();
+}
+
+#[test]
+fn user_functions_that_are_interpreted_are_the_kernels() {
+    let Some(gpu) = gpu() else { return };
+    let sources = function_sources();
+    let n_written = std::cell::Cell::new(0);
+    let count = |words: &mut TextureWords| n_written.set(words.shader.functions.matches("fn user_function_").count());
+    let mut report = Report::new();
+    for (source, distances) in sources.iter().zip(compare_some_pigments(&gpu, &sources, Some(0), count)) {
+        report.add(source, &distances, 0.01);
+    }
+    assert_eq!(n_written.get(), 0);
+    // Both kinds beside each other: those that are light enough are written out.
+    for (source, distances) in sources.iter().zip(compare_some_pigments(&gpu, &sources[..10], Some(4), count)) {
+        report.add(source, &distances, 0.01);
+    }
+    assert!((2..8).contains(&n_written.get()), "{} of ten are written out", n_written.get());
+    report.check();
+    let other = |words: &mut TextureWords| {
+        words.shader.functions = words.shader.functions.replace("operand(operands >> 16u)", "operand((operands >> 16u) ^ 1u)")
+    };
+    let off = compare_some_pigments(&gpu, &sources[..2], Some(0), other);
+    assert!(off.iter().flatten().any(|d| *d > 1e-2), "wrong operands must be seen");
 }
 
 /// Loops in scenes declare functions that differ in a few numbers: one text for all of them, with the numbers in a table.
@@ -297,7 +355,7 @@ fn functions_that_differ_in_numbers_are_written_once_and_stay_the_kernels() {
         let text = &words.shader.functions;
         written.set((text.matches("fn alike_function_").count(), text.matches("fn user_function_").count()));
     };
-    for (source, distances) in sources.iter().zip(compare_some_pigments(&gpu, &sources, count)) {
+    for (source, distances) in sources.iter().zip(compare_some_pigments(&gpu, &sources, None, count)) {
         report.add(source, &distances, allowed(source));
     }
     report.check();
@@ -305,7 +363,7 @@ fn functions_that_differ_in_numbers_are_written_once_and_stay_the_kernels() {
     let shift = |words: &mut TextureWords| {
         words.shader.functions = words.shader.functions.replace("number(numbers_at + 0u)", "number(numbers_at + 1u)")
     };
-    let off = compare_some_pigments(&gpu, &sources, shift);
+    let off = compare_some_pigments(&gpu, &sources, None, shift);
     assert!(off.iter().flatten().any(|d| *d > 1e-2), "numbers from wrong places must be seen");
 }
 

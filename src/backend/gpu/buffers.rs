@@ -4,6 +4,7 @@
 use super::camera::{crowded, start_interiors};
 use super::camera_buffers::{DeviceCamera, camera_words};
 use super::layout::{Finish, Interior, Light, Prim, SceneParams, Transform};
+use super::light_buffers::{LIGHT_CONSTANTS, emitter, light};
 use super::material_buffers::{encode_materials, material_constants};
 use super::media_buffers::{encode_media, media_options};
 use super::mesh_buffers::{Boxes, MeshWords, encode_meshes};
@@ -15,13 +16,12 @@ use super::tree_words::{choose_walk, has_lists, structure_of, words_per_element}
 use crate::accel::AccelKind;
 use crate::backend::BackendError;
 use crate::compile::geometry::{InsideStep, PrimKind, prim_flags};
-use crate::compile::{CompiledLight, CompiledScene, NONE};
-use crate::integrate::classic::{Piece, SHARP_MIRROR, ScenePlan};
+use crate::compile::{CompiledScene, NONE};
+use crate::integrate::classic::{SHARP_MIRROR, ScenePlan};
 use crate::kernel::light::SUN_DISTANCE;
 use crate::kernel::traverse::{MIN_DEPTH, SHADOW_TOLERANCE};
 use crate::math::{Bounds, DVec3, MAX_DISTANCE, Rgbft, Vec3};
 use crate::savings::Saving;
-use crate::scene::light::{AreaLight, Fade, LightKind};
 use std::collections::BTreeSet;
 
 /// Everything of a scene, encoded.
@@ -145,10 +145,10 @@ const SPARE: [&str; 11] = [
 ];
 
 impl SceneBuffers {
-    /// Encodes `scene`, with structures of kind `kind`, for a picture that `plan` was made for.
-    pub fn new(scene: &CompiledScene, plan: &ScenePlan, kind: AccelKind) -> Result<Self, BackendError> {
+    /// Encodes `scene`, with structures of kind `kind`, for a picture that `plan` was made for; functions that weigh up to `most_written` are written out.
+    pub fn new(scene: &CompiledScene, plan: &ScenePlan, kind: AccelKind, most_written: usize) -> Result<Self, BackendError> {
         let g = &scene.geometry;
-        let mut textures = encode_textures(&scene.textures, &roots(scene), !plan.quality.normals)?;
+        let mut textures = encode_textures(&scene.textures, &roots(scene, Some(most_written)), !plan.quality.normals)?;
         // Functions that ask patterns that ask objects whose insides are functions would call themselves.
         let asks_patterns = textures.shader.functions.contains("free_value(");
         if asks_patterns && textures.shader.features.contains("pattern_object") && g.prims.iter().any(|p| p.kind == PrimKind::Isosurface) {
@@ -337,26 +337,11 @@ impl SceneBuffers {
             ("FLAG_UV_MAPPING", prim_flags::UV_MAPPING),
             ("FLAG_TRANSPARENT", prim_flags::TRANSPARENT),
             ("FLAG_INSIDE_ONLY", prim_flags::INSIDE_ONLY),
-            ("LIGHT_POINT", LIGHT_POINT),
-            ("LIGHT_SPOT", LIGHT_SPOT),
-            ("LIGHT_CYLINDER", LIGHT_CYLINDER),
-            ("LIGHT_SUN", LIGHT_SUN),
-            ("LIGHT_PARALLEL", LIGHT_PARALLEL),
-            ("LIGHT_SHADOWLESS", LIGHT_SHADOWLESS),
-            ("LIGHT_IN_AIR", LIGHT_IN_AIR),
-            ("LIGHT_HAS_RADIUS", LIGHT_HAS_RADIUS),
-            ("LIGHT_SPREAD", LIGHT_SPREAD),
-            ("LIGHT_IN_MEDIA", LIGHT_IN_MEDIA),
-            ("AREA_JITTER", AREA_JITTER),
-            ("AREA_CIRCULAR", AREA_CIRCULAR),
-            ("AREA_ORIENT", AREA_ORIENT),
             ("AREA_DONE", u32::MAX),
             // Each level takes a part away and brings four, and halves their sides.
             ("AREA_STACK", 3 * (longest.max(1).ilog2() + 1) + 4),
-            ("FADE_POV", FADE_POV),
-            ("FADE_INVERSE_SQUARE", FADE_INVERSE_SQUARE),
         ];
-        constants.iter().for_each(|(name, v)| o.constant(name, *v));
+        constants.iter().chain(LIGHT_CONSTANTS).for_each(|(name, v)| o.constant(name, *v));
         choose_walk(&mut o, kind, scene_depth, self.meshes.depth);
         for (code, name) in STEP_NAMES.iter().enumerate() {
             o.constant(name, code as u32);
@@ -393,21 +378,6 @@ const RAY_REFLECTED: u32 = 1;
 pub(super) const FAULT_INTERIORS: u32 = 1;
 /// A queue was too short: a fault of this program.
 pub(super) const FAULT_QUEUE: u32 = 2;
-const LIGHT_POINT: u32 = 0;
-const LIGHT_SPOT: u32 = 1;
-const LIGHT_CYLINDER: u32 = 2;
-const LIGHT_SUN: u32 = 3;
-const LIGHT_PARALLEL: u32 = 1;
-const LIGHT_SHADOWLESS: u32 = 2;
-const LIGHT_IN_AIR: u32 = 4;
-const LIGHT_HAS_RADIUS: u32 = 8;
-const LIGHT_SPREAD: u32 = 16;
-const LIGHT_IN_MEDIA: u32 = 32;
-const AREA_JITTER: u32 = 1;
-const AREA_CIRCULAR: u32 = 2;
-const AREA_ORIENT: u32 = 4;
-const FADE_POV: u32 = 1;
-const FADE_INVERSE_SQUARE: u32 = 2;
 const FOG_LEN: u32 = 20;
 const RAINBOW_LEN: u32 = 17;
 /// Codes of steps are their places here.
@@ -452,15 +422,6 @@ fn scene_params(scene: &CompiledScene) -> SceneParams {
         generator: u32::from(s.noise_generator),
         ..SceneParams::default()
     }
-}
-
-/// Balls have their radius in place of the area, negative.
-fn emitter(e: &crate::integrate::classic::EmitterPoint) -> Vec<u32> {
-    let (normal, size) = match e.shape {
-        Piece::Flat { normal, area } => (normal, area),
-        Piece::Ball { radius } => (DVec3::ZERO, -radius),
-    };
-    [&bits3(e.point)[..], &bits3(normal), &[(size as f32).to_bits()], &bits(e.radiance.to_array()), &[e.prim_ix]].concat()
 }
 
 fn encode_fogs(scene: &CompiledScene, words: &mut Vec<u32>) -> u32 {
@@ -627,52 +588,4 @@ fn finish(f: &crate::scene::Finish) -> Finish {
         crand: f.crand,
         ..Finish::default()
     }
-}
-
-/// Words of an area light, as `area.wesl` reads them.
-fn area(a: &AreaLight) -> Vec<u32> {
-    let flag = |holds: bool, bit: u32| if holds { bit } else { 0 };
-    let flags = flag(a.jitter, AREA_JITTER) | flag(a.circular, AREA_CIRCULAR) | flag(a.orient, AREA_ORIENT);
-    [&[a.n1.max(1), a.n2.max(1), a.adaptive, flags][..], &bits3(a.axis1), &bits3(a.axis2)].concat()
-}
-
-fn light(scene: &CompiledScene, compiled: &CompiledLight, words: &mut Vec<u32>) -> Light {
-    let CompiledLight { light: l, beam, .. } = compiled;
-    let mut out =
-        Light { location: v3(l.location), point_at: v3(l.point_at), color: l.color.to_array(), axis: v3(beam.axis), ..Light::default() };
-    let mut flags = 0;
-    match l.kind {
-        LightKind::Point => out.kind = LIGHT_POINT,
-        LightKind::Sun { .. } => out.kind = LIGHT_SUN,
-        LightKind::Spot { radius_rad, falloff_rad, tightness } => {
-            out.kind = LIGHT_SPOT;
-            (out.radius, out.falloff, out.tightness) = (radius_rad.cos() as f32, falloff_rad.cos() as f32, tightness as f32);
-            flags |= if radius_rad.cos() > 0.0 { LIGHT_HAS_RADIUS } else { 0 };
-        }
-        LightKind::Cylinder { radius, falloff, tightness } => {
-            out.kind = LIGHT_CYLINDER;
-            (out.radius, out.falloff, out.tightness) = (radius as f32, falloff as f32, tightness as f32);
-        }
-    }
-    match l.fade {
-        Fade::Pov { distance, power } if power > 0.0 && distance != 0.0 => {
-            (out.fade_kind, out.fade_distance, out.fade_power) = (FADE_POV, distance as f32, power as f32);
-        }
-        Fade::InverseSquare => out.fade_kind = FADE_INVERSE_SQUARE,
-        _ => {}
-    }
-    flags |= if l.parallel { LIGHT_PARALLEL } else { 0 };
-    if compiled.projected_through != NONE {
-        let prims = &scene.geometry.objects[compiled.projected_through as usize].prims;
-        out.projected_at = append(words, [prims.start, prims.end]);
-    }
-    if let Some(a) = &l.area {
-        out.area_at = append(words, area(a));
-        flags |= if a.area_illumination { LIGHT_SPREAD } else { 0 };
-    }
-    flags |= if l.shadowless { LIGHT_SHADOWLESS } else { 0 };
-    flags |= if l.media_interaction { LIGHT_IN_MEDIA } else { 0 };
-    flags |= if l.media_attenuation && l.media_interaction { LIGHT_IN_AIR } else { 0 };
-    out.flags = flags;
-    out
 }

@@ -8,7 +8,10 @@ mod camera;
 mod camera_buffers;
 pub mod choice;
 pub mod device;
+mod function_builtins;
+mod function_program;
 pub mod layout;
+mod light_buffers;
 mod material_buffers;
 mod media_buffers;
 mod mesh_buffers;
@@ -58,6 +61,7 @@ use stage_clock::StageClock;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+use texture_functions::most_written;
 use wavefront::{MakeStart, Places, Wavefront};
 
 /// Where the time of a picture went on a device.
@@ -133,7 +137,7 @@ impl GpuBackend {
         support::check(scene)?;
         let start = Instant::now();
         let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
-        let buffers = SceneBuffers::new(scene, &plan, self.accel_for(scene))?;
+        let buffers = SceneBuffers::new(scene, &plan, self.accel_for(scene), most_written(&self.gpu)?)?;
         let wavefront = Wavefront::new(&self.gpu, &buffers, clock)?;
         let prepared = start.elapsed().as_secs_f64();
         let camera = Arc::new(camera::CameraRays::new(scene, &plan));

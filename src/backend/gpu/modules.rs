@@ -81,6 +81,8 @@ pub const MODULES: &[(&str, &str)] = modules![
     "shared/finish",
     "shared/function_internal",
     "shared/function_math",
+    "shared/function_registers",
+    "shared/function_surfaces",
     "shared/height_field",
     "shared/image",
     "shared/inside",

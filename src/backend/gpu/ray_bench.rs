@@ -66,7 +66,7 @@ impl<'g> RayBench<'g> {
             return Err(BackendError::Unsupported("loops of more than 65,535 turns, which llvmpipe cuts short".into()));
         }
         let plan = ScenePlan::new(scene, 64, 64, false);
-        let buffers = SceneBuffers::new(scene, &plan, kind)?;
+        let buffers = SceneBuffers::new(scene, &plan, kind, usize::MAX)?;
         let g = &scene.geometry;
         let only_mesh = matches!(&g.prims[..], [p] if p.kind == PrimKind::Mesh && p.transform_ix == 0 && p.clip_len == 0);
         let bound = [0, 2, 3, 4, 5, 6, 7];

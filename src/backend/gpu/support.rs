@@ -49,16 +49,16 @@ pub fn check(scene: &CompiledScene) -> Result<(), BackendError> {
         return Ok(());
     }
     // What textures ask for is found when they are encoded: once here so that the list is whole.
-    if let Err(BackendError::Unsupported(what)) = encode_textures(&scene.textures, &roots(scene), false) {
+    if let Err(BackendError::Unsupported(what)) = encode_textures(&scene.textures, &roots(scene, None), false) {
         list.push(what);
     }
     Err(BackendError::Unsupported(list.join(", ")))
 }
 
-/// What the shaders evaluate of a scene's textures and functions.
-pub(super) fn roots(scene: &CompiledScene) -> TextureRoots {
+/// What the shaders evaluate of a scene's textures and functions, those that weigh up to `most_written` written out.
+pub(super) fn roots(scene: &CompiledScene, most_written: Option<usize>) -> TextureRoots {
     let functions = scene.geometry.shapes.isosurfaces.iter().map(|s| s.function).collect();
-    let mut all = TextureRoots { functions, ..TextureRoots::of_scene(scene) };
+    let mut all = TextureRoots { functions, most_written, ..TextureRoots::of_scene(scene) };
     all.pigments.extend(scene.media.iter().flat_map(|m| &m.densities));
     all
 }
@@ -87,8 +87,15 @@ fn unknown_shapes(scene: &CompiledScene) -> Vec<String> {
 }
 
 fn obstacles(scene: &CompiledScene) -> Vec<String> {
+    let mut list = unknown_shapes(scene);
+    list.extend(listed(scene).iter().filter(|(holds, _)| *holds).map(|(_, what)| (*what).to_owned()));
+    list
+}
+
+/// Whether the scene uses each of what is named.
+fn listed(scene: &CompiledScene) -> [(bool, &'static str); 16] {
     let f = &scene.features;
-    let listed = [
+    [
         (scene.options.quality < 9, "quality levels below 9"),
         (scene.media.iter().any(|m| m.params.method != 3), "media of methods 1 and 2"),
         (scene.media.iter().any(|m| m.params.aa_level > MOST_AA_LEVEL), "media of an aa_level above 8"),
@@ -104,13 +111,11 @@ fn obstacles(scene: &CompiledScene) -> Vec<String> {
         (scene.textures.finishes.iter().any(|f| f.reflection.exponent != 1.0), "reflection_exponent"),
         (nested_bounds(scene), "bounded_by inside bounded_by"),
         (scene.geometry.shapes.polys.iter().any(|s| s.order > MOST_POLY_ORDER), "polynomials of an order above 10"),
-    ];
-    let mut list = unknown_shapes(scene);
-    if scene.geometry.shapes.julias.iter().any(|s| julia_kind(s).is_none()) {
-        list.push("julia fractals of other functions than square, cube and reciprocal".into());
-    }
-    list.extend(listed.iter().filter(|(holds, _)| *holds).map(|(_, what)| (*what).to_owned()));
-    list
+        (
+            scene.geometry.shapes.julias.iter().any(|s| julia_kind(s).is_none()),
+            "julia fractals of other functions than square, cube and reciprocal",
+        ),
+    ]
 }
 
 /// Whether media scatter the light of area lights.
@@ -202,5 +207,62 @@ pub(super) fn fan_out(scene: &CompiledScene, ix: u32) -> FanOut {
             layers: a.layers + b.layers,
             deepest: a.deepest.max(b.deepest),
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{KINDS, listed, object_name};
+    use crate::compile::geometry::PrimKind;
+    use crate::compile::{CompileOptions, compile_scene};
+    use crate::scene::Scene;
+    use std::collections::BTreeSet;
+
+    /// Faults of this program and of its tools, no features of scenes.
+    const FAULTS: [&str; 8] = [
+        "more rays in flight than the queue holds",
+        "hits that send on more rays than was foreseen",
+        "isosurface objects without their scene",
+        "loops of more than 65,535 turns, which llvmpipe cuts short",
+        "timestamps, on this device",
+        "shader 'N': N",
+        "the pattern 'N'",
+        "an operation of a function",
+    ];
+
+    /// The text in quotes after each place where a refusal begins; what is filled in is N.
+    fn refusals(source: &str) -> Vec<String> {
+        let starts = ["Unsupported(\"", "Unsupported(format!(\"", "refused(\"", "refused(format!(\""];
+        let mut found = Vec::new();
+        for (start, at) in starts.iter().flat_map(|s| source.match_indices(s).map(|(k, _)| (s.len(), k))) {
+            let text = source[at + start..].split('"').next().unwrap_or_default();
+            let plain = text.split(" (at most").next().unwrap_or_default().split('{');
+            found.push(plain.map(|part| part.split_once('}').map_or(part.to_owned(), |(_, rest)| format!("N{rest}"))).collect());
+        }
+        found
+    }
+
+    /// What docs/gpu.md says of machines, and what is refused, are the same.
+    #[test]
+    fn the_table_of_what_runs_where_has_every_refusal_and_no_other() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        let page = std::fs::read_to_string(folder.join("docs/gpu.md")).expect("the page is there");
+        let section = page.split("## What runs where").nth(1).and_then(|s| s.split("\n## ").next()).expect("the section is there");
+        let cells = section.lines().filter(|l| l.starts_with("| ")).filter_map(|l| l.trim_end_matches('|').rsplit('|').next());
+        let told: BTreeSet<String> = cells.flat_map(|c| c.split('`').skip(1).step_by(2)).map(str::to_owned).collect();
+        let scene = compile_scene(&Scene::default(), &CompileOptions::default()).expect("nothing compiles");
+        let mut refused: BTreeSet<String> = listed(&scene).iter().map(|(_, what)| (*what).to_owned()).collect();
+        let all = [PrimKind::SphereSweep, PrimKind::Ovus, PrimKind::Parametric, PrimKind::Hair];
+        refused.extend(all.iter().filter(|k| !KINDS.iter().any(|(known, _)| known == *k)).map(|k| format!("{} objects", object_name(*k))));
+        refused.insert("passes".into());
+        let files = std::fs::read_dir(folder.join("src/backend/gpu")).expect("the sources are there");
+        for path in files.filter_map(|f| Some(f.ok()?.path())).filter(|p| p.extension().is_some_and(|e| e == "rs")) {
+            let source = std::fs::read_to_string(&path).expect("it can be read");
+            let source = source.split("#[cfg(test)]").next().unwrap_or_default();
+            refused.extend(refusals(source).into_iter().filter(|r| !FAULTS.contains(&r.as_str())));
+        }
+        assert!(refused.len() > 25, "{refused:?}");
+        assert_eq!(refused.difference(&told).collect::<Vec<_>>(), Vec::<&String>::new(), "refused, but not in docs/gpu.md");
+        assert_eq!(told.difference(&refused).collect::<Vec<_>>(), Vec::<&String>::new(), "in docs/gpu.md, but not refused");
     }
 }

@@ -23,6 +23,8 @@ pub struct TextureRoots {
     pub functions: BTreeSet<FunctionIx>,
     /// By object of an object pattern: start and length of the program that tells its inside; no length for none.
     pub insides: Vec<[u32; 2]>,
+    /// What the functions may weigh that are written out, in calls of noise; the others are interpreted. `None` for all.
+    pub most_written: Option<usize>,
 }
 
 impl TextureRoots {
@@ -39,6 +41,7 @@ impl TextureRoots {
             normals: (scene.camera_normal != NONE).then_some(scene.camera_normal).into_iter().collect(),
             functions: BTreeSet::new(),
             insides: scene.textures.pattern_objects.iter().map(inside).collect(),
+            most_written: None,
         }
     }
 }
@@ -74,6 +77,10 @@ pub fn encode_textures(tables: &TextureTables, roots: &TextureRoots, quick_color
         normals: vec![0; tables.normals.len()],
         shader: ShaderOptions::default(),
     };
+    // Surfaces are searched with hundreds of calls: those are the first to be written out.
+    for ix in &roots.functions {
+        encoder.function(*ix);
+    }
     for ix in &roots.textures {
         out.textures[*ix as usize] = encoder.cover(*ix)?;
     }
@@ -83,10 +90,10 @@ pub fn encode_textures(tables: &TextureTables, roots: &TextureRoots, quick_color
     for ix in &roots.normals {
         out.normals[*ix as usize] = encoder.normal(*ix)?;
     }
-    for ix in &roots.functions {
-        encoder.function(*ix);
-    }
-    out.shader.functions = encoder.function_module()?;
+    out.shader.functions = encoder.function_module(roots.most_written.unwrap_or(usize::MAX))?;
+    let [n_registers, numbers_at] = encoder.functions.places;
+    out.shader.constant("FUNCTION_REGISTERS", n_registers);
+    out.shader.constant("FUNCTION_NUMBERS_AT", numbers_at);
     for (name, value) in layout_constants() {
         out.shader.constant(&name, value);
     }

@@ -1,78 +1,84 @@
 //! User functions as WGSL: the bytecode of `compile/function.rs`, one function each, in the generated module `package::functions`.
-//! What a function may call is emitted before it; what the GPU does not know is refused by name.
+//! What a function may call is emitted before it; what the GPU does not know is refused by name. What would be too much for a driver is interpreted
+//! (`function_program.rs`).
 
+use super::device::Gpu;
+use super::function_builtins::{builtin, imports};
+use super::function_program::FunctionProgram;
 use super::texture_encoder::TextureEncoder;
 use crate::backend::BackendError;
-use crate::compile::function::{CallSite, FunctionNode, INTERNAL_NOISE3D, Op, wide_index};
+use crate::compile::function::{CallSite, FunctionNode, INTERNAL_NOISE3D, Instr, Op, wide_index};
 use crate::compile::texture::{FunctionIx, PigmentIx};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-/// Built-in functions of `shaders/shared/function_internal.wesl`: number, name, parameters after the point.
-const INTERNALS: &[(u32, &str, usize)] = &[
-    (17, "internal_ellipsoid", 3),
-    (23, "internal_heart", 1),
-    (25, "internal_helix1", 7),
-    (29, "internal_hetero_mf", 6),
-    (45, "internal_paraboloid", 1),
-    (47, "internal_ph", 0),
-    (57, "internal_r", 0),
-    (58, "internal_ridge", 6),
-    (59, "internal_ridged_mf", 6),
-    (60, "internal_rounded_box", 4),
-    (61, "internal_sphere", 1),
-    (63, "internal_spikes_2d", 4),
-    (68, "internal_superellipsoid", 2),
-    (69, "internal_th", 0),
-    (70, "internal_torus", 2),
-    (78, "internal_noise", 1),
-];
-
 /// The imports of the generated module; what is not used is left out again.
 const IMPORTS: &str = "\
 import package::shared::angles::{arc_tangent2, sine};
-import package::shared::function_internal::{internal_ellipsoid, internal_heart, internal_helix1, internal_hetero_mf, internal_noise,
-    internal_paraboloid, internal_ph, internal_r, internal_ridge, internal_ridged_mf, internal_rounded_box, internal_sphere,
-    internal_spikes_2d, internal_superellipsoid, internal_th, internal_torus};
 import package::shared::function_math::{function_acos, function_asin, function_atan, function_cos, function_div, function_max,
     function_min, function_pow, function_tan, function_truth};
 import package::constants;
+import package::shared::function_registers::{copy_six, held_color, held_point, held_vector, keep_color, keep_point, keep_vector, operand, registers};
 import package::shared::map_colors::{PigmentColor, color_of_words, plain_color};
 import package::shared::noise::noise;
 import package::shared::pattern::shaped;
-import package::shared::pattern_function::{entries_of_average, entries_of_map, free_value, grey_of, numbers_of, sum_with};
+import package::shared::pattern_function::{WantedEntries, entries_of_average, entries_of_map, free_value, grey_of, numbers_of, sum_with};
 import package::shared::pattern_simple::above_one;
 import package::shared::real::real3;
 import package::shared::texture_point::Rgbft;
 import package::shared::warp::warp_point;
-import package::shared::words::{number, word};
+import package::shared::words::{matrix, number, vector, word};
 ";
+
+/// Most that user functions may weigh (`weight_of`) that are written out; the environment may say another number.
+const MOST_WRITTEN: usize = 64;
+const MOST_WRITTEN_SOFTWARE: usize = 24;
+const MOST_WRITTEN_NAME: &str = "RAYLOOM_GPU_FUNCTIONS";
+
+/// What the functions may weigh that are written out for a device.
+pub(super) fn most_written(gpu: &Gpu) -> Result<usize, BackendError> {
+    let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
+    match std::env::var(MOST_WRITTEN_NAME) {
+        Err(_) => Ok(if is_software { MOST_WRITTEN_SOFTWARE } else { MOST_WRITTEN }),
+        Ok(text) => text.parse().map_err(|_| BackendError::NoDevice(format!("{MOST_WRITTEN_NAME} is a number, not '{text}'"))),
+    }
+}
 
 /// Functions written so far.
 #[derive(Default)]
 pub(super) struct FunctionText {
+    written: Written,
+    /// Those that are interpreted.
+    pub program: FunctionProgram,
+    /// Registers of the interpreter, and the place of its numbers.
+    pub places: [u32; 2],
+    /// Those that shaders call with a point.
+    called: Vec<FunctionIx>,
+}
+
+/// What stands in the text.
+#[derive(Clone, Default)]
+struct Written {
     text: String,
     known: BTreeSet<FunctionIx>,
     known_pigments: BTreeSet<PigmentIx>,
-    /// Those that shaders call with a point.
-    called: BTreeSet<FunctionIx>,
 }
 
 impl FunctionText {
     /// Notes that a pigment is written; false when it was before.
     pub fn know_pigment(&mut self, ix: PigmentIx) -> bool {
-        self.known_pigments.insert(ix)
+        self.written.known_pigments.insert(ix)
     }
 
     /// Appends a function that is whole.
     pub fn add(&mut self, text: &str) {
-        self.text += text;
+        self.written.text += text;
     }
 }
 
 /// What drivers have to write out for a module of functions, in calls of noise: they put a function in wherever it is called. A pattern brings all kinds of
 /// patterns with it.
-pub(super) fn weight_of(module: &str) -> usize {
+fn weight_of(module: &str) -> usize {
     let n = |name: &str| module.matches(name).count();
     let sums = n("internal_hetero_mf(") + n("internal_ridge(") + n("internal_ridged_mf(");
     n("noise(") + 2 * sums + n("warp_point(") + 4 * n("free_value(") + n("\n") / 32
@@ -83,6 +89,15 @@ struct Alike {
     members: Vec<FunctionIx>,
     /// Of each, in the order of their uses.
     constants: Vec<Vec<f64>>,
+}
+
+/// The code of a function.
+pub(super) struct Code<'t> {
+    pub instrs: &'t [Instr],
+    /// Registers that it names.
+    pub n_held: usize,
+    pub result: usize,
+    n_params: usize,
 }
 
 /// What a register of a function holds where it is read.
@@ -105,11 +120,11 @@ fn one_result(value: &str) -> String {
     format!("array<f32, 5>({value}, 0.0, 0.0, 0.0, 0.0)")
 }
 
-fn refused(what: impl Into<String>) -> BackendError {
+pub(super) fn refused(what: impl Into<String>) -> BackendError {
     BackendError::Unsupported(what.into())
 }
 
-fn near(v: f64) -> f32 {
+pub(super) fn near(v: f64) -> f32 {
     (v as f32).clamp(f32::MIN, f32::MAX)
 }
 
@@ -117,12 +132,12 @@ fn literal(v: f64) -> String {
     format!("({:?})", near(v))
 }
 
-impl TextureEncoder<'_> {
+impl<'t> TextureEncoder<'t> {
     /// Parameters of a function as it is written.
     pub fn n_params(&self, ix: FunctionIx) -> usize {
         match self.tables.functions[ix as usize] {
             FunctionNode::Code { n_params, .. } => usize::from(n_params),
-            FunctionNode::Internal(n) => 3 + INTERNALS.iter().find(|i| i.0 == n).map_or(0, |i| i.2),
+            FunctionNode::Internal(n) => 3 + builtin(n).map_or(0, |b| b.2),
             FunctionNode::Spline(_) => 1,
             _ => 3,
         }
@@ -131,13 +146,16 @@ impl TextureEncoder<'_> {
     /// Makes a function callable by its number.
     pub fn function(&mut self, ix: FunctionIx) -> u32 {
         self.feature("user_functions");
-        self.functions.called.insert(ix);
+        if !self.functions.called.contains(&ix) {
+            self.functions.called.push(ix);
+        }
         ix
     }
 
     /// The module of all functions that shaders call, after the last of them is known; empty without any. Loops in scenes declare functions by
-    /// the hundred that differ in numbers at most, and drivers write out each that a `switch` names: such ones are one.
-    pub fn function_module(&mut self) -> Result<String, BackendError> {
+    /// the hundred that differ in numbers at most, and drivers write out each that a `switch` names: such ones are one. Those that weigh more than `most`
+    /// (`weight_of`) with those before them are interpreted; the first to be asked for are the first to be written out.
+    pub fn function_module(&mut self, most: usize) -> Result<String, BackendError> {
         if self.functions.called.is_empty() {
             return Ok(String::new());
         }
@@ -149,14 +167,21 @@ impl TextureEncoder<'_> {
             group.constants.push(constants);
         }
         let mut groups: Vec<Alike> = alike.into_values().collect();
-        groups.sort_by_key(|g| g.members[0]);
+        groups.sort_by_key(|g| self.functions.called.iter().position(|ix| *ix == g.members[0]));
         let has_table = groups.iter().any(|g| g.members.len() > 1);
         // By function: whom to call in its place, and where its numbers are.
-        let mut table = vec![0; if has_table { 2 * self.tables.functions.len() } else { 0 }];
-        let mut cases = String::new();
+        let mut table: Vec<u32> =
+            if has_table { (0..self.tables.functions.len() as u32).flat_map(|k| [k, 0]).collect() } else { Vec::new() };
+        let (mut cases, mut interpreted) = (String::new(), Vec::new());
         for group in &groups {
             let first = group.members[0];
+            let before = self.functions.written.clone();
             let places = self.write_alike(group)?;
+            if weight_of(&self.functions.written.text) > most {
+                self.functions.written = before;
+                interpreted.extend(&group.members);
+                continue;
+            }
             for (ix, at) in group.members.iter().zip(&places) {
                 if has_table {
                     (table[2 * *ix as usize], table[2 * *ix as usize + 1]) = (first, *at);
@@ -176,9 +201,14 @@ impl TextureEncoder<'_> {
         } else {
             "    switch function {\n".to_owned()
         };
-        let text = &self.functions.text;
+        let (interpreter, other) = match interpreted.is_empty() {
+            true => (String::new(), "0.0"),
+            false => (self.interpreter(&interpreted)?, "interpreted_function(function, p)"),
+        };
+        let text = &self.functions.written.text;
+        let imports = imports(&format!("{text}{interpreter}"));
         Ok(format!(
-            "{IMPORTS}\n{text}\nfn call_user_function(function: u32, p: vec3f) -> f32 {{\n{called}{cases}        default: {{ return 0.0; }}\n    }}\n}}\n"
+            "{IMPORTS}{imports}\n{text}\n{interpreter}\nfn call_user_function(function: u32, p: vec3f) -> f32 {{\n{called}{cases}        default: {{ return {other}; }}\n    }}\n}}\n"
         ))
     }
 
@@ -217,7 +247,7 @@ impl TextureEncoder<'_> {
     }
 
     fn write_function(&mut self, ix: FunctionIx) -> Result<(), BackendError> {
-        if self.functions.known.contains(&ix) {
+        if self.functions.written.known.contains(&ix) {
             return Ok(());
         }
         let params: Vec<String> = (0..self.n_params(ix)).map(|k| format!("a{k}: f32")).collect();
@@ -241,17 +271,17 @@ impl TextureEncoder<'_> {
         };
         let text = format!("fn user_function_{ix}({}) -> array<f32, 5> {{\n{body}}}\n\n", params.join(", "));
         self.functions.add(&text);
-        self.functions.known.insert(ix);
+        self.functions.written.known.insert(ix);
         Ok(())
     }
 
-    fn internal_call(&mut self, n: u32, args: &[String]) -> Result<String, BackendError> {
+    pub fn internal_call(&mut self, n: u32, args: &[String]) -> Result<String, BackendError> {
         let arg = |k: usize| args.get(k).map_or("0.0", |a| a.as_str());
         let point = format!("vec3f({}, {}, {})", arg(0), arg(1), arg(2));
         if n == INTERNAL_NOISE3D {
             return Ok(self.noise_call(&point));
         }
-        let (_, name, n_params) = INTERNALS.iter().find(|i| i.0 == n).ok_or_else(|| refused(format!("the built-in function {n}")))?;
+        let (_, name, n_params) = builtin(n).ok_or_else(|| refused(format!("the built-in function {n}")))?;
         // Their generator may be any.
         if name.contains("noise") || name.contains("ridge") || name.contains("hetero") {
             self.feature("noise_generator_3");
@@ -270,21 +300,16 @@ impl TextureEncoder<'_> {
 
     /// The body of a function that is code. `constant` writes the numbers that it uses, in the order of their uses.
     fn code_text(&mut self, ix: FunctionIx, constant: &mut dyn FnMut(f64) -> String) -> Result<String, BackendError> {
-        let FunctionNode::Code { start, len, n_regs, result, n_params } = self.tables.functions[ix as usize] else {
-            unreachable!("the caller asked for the kind")
-        };
         let tables = self.tables;
-        let code = &tables.instrs[start as usize..][..len as usize];
+        let code = self.code(ix);
         // What each register holds now: the name of a value, or a number. Numbers are written where they are used, so that functions of one shape are one
         // text, whichever of their numbers are equal (a product that occurs twice is another shape: it is worked out once).
-        let calls = code.iter().filter(|i| matches!(i.op, Op::Call)).map(|i| usize::from(i.dst) + 5).max().unwrap_or(0);
-        let n_held = (n_regs as usize).max(calls).max(usize::from(result) + 1);
-        let mut held: Vec<Held> = (0..n_held).map(|_| Held::Number(0.0)).collect();
-        (0..usize::from(n_params)).for_each(|k| held[k] = Held::Name(format!("a{k}")));
+        let mut held: Vec<Held> = (0..code.n_held).map(|_| Held::Number(0.0)).collect();
+        (0..code.n_params).for_each(|k| held[k] = Held::Name(format!("a{k}")));
         let mut text = String::new();
         // Values are counted without the numbers between them.
         let mut k = 0;
-        for i in code {
+        for i in code.instrs {
             let dst = usize::from(i.dst);
             k += usize::from(i.op != Op::Const);
             let mut args = |site: &CallSite| -> Vec<String> {
@@ -329,14 +354,31 @@ impl TextureEncoder<'_> {
                 }
                 op => {
                     let [a, b, c] = [i.a, i.b, i.c].map(|r| held[usize::from(r)].text(constant));
-                    if op == Op::Noise { self.noise_call(&format!("vec3f({a}, {b}, {c})")) } else { plain_operation(op, &a, &b, &c)? }
+                    self.operation(op, [&a, &b, &c])?
                 }
             };
             writeln!(text, "    let v{k} = {value};").expect("strings take text");
             held[dst] = Held::Name(format!("v{k}"));
         }
-        writeln!(text, "    return {};", one_result(&held[usize::from(result)].text(constant))).expect("strings take text");
+        writeln!(text, "    return {};", one_result(&held[code.result].text(constant))).expect("strings take text");
         Ok(text)
+    }
+
+    /// The code of a function that is code.
+    pub fn code(&self, ix: FunctionIx) -> Code<'t> {
+        let FunctionNode::Code { start, len, n_regs, result, n_params } = self.tables.functions[ix as usize] else {
+            unreachable!("the caller asked for the kind")
+        };
+        let instrs = &self.tables.instrs[start as usize..][..len as usize];
+        // Calls may give up to five results.
+        let calls = instrs.iter().filter(|i| matches!(i.op, Op::Call)).map(|i| usize::from(i.dst) + 5).max().unwrap_or(0);
+        let n_held = (n_regs as usize).max(calls).max(usize::from(result) + 1);
+        Code { instrs, n_held, result: usize::from(result), n_params: usize::from(n_params) }
+    }
+
+    /// WGSL of an operation on numbers.
+    pub fn operation(&mut self, op: Op, [a, b, c]: [&str; 3]) -> Result<String, BackendError> {
+        if op == Op::Noise { Ok(self.noise_call(&format!("vec3f({a}, {b}, {c})"))) } else { plain_operation(op, a, b, c) }
     }
 
     pub fn user_call(&mut self, function: FunctionIx, mut args: Vec<String>) -> Result<String, BackendError> {
@@ -345,7 +387,7 @@ impl TextureEncoder<'_> {
         Ok(format!("user_function_{function}({})", args.join(", ")))
     }
 
-    fn n_results(&self, function: FunctionIx) -> usize {
+    pub fn n_results(&self, function: FunctionIx) -> usize {
         match self.tables.functions[function as usize] {
             FunctionNode::Pigment(_) => 5,
             FunctionNode::Transform(_) => 3,
@@ -402,4 +444,14 @@ fn plain_operation(op: Op, a: &str, b: &str, c: &str) -> Result<String, BackendE
         Op::SelectZero => format!("select({c}, {b}, {a} == 0.0)"),
         Op::Const | Op::Noise | Op::Internal | Op::Call | Op::Sum | Op::Prod => return Err(refused("an operation of a function")),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::weight_of;
+
+    #[test]
+    fn what_a_driver_writes_out_weighs_in_calls_of_noise() {
+        assert_eq!(weight_of("let v = noise(p, 2u);\nlet w = internal_ridge(p);\nlet q = free_value(7u, p);\n"), 7);
+    }
 }

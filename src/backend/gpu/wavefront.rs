@@ -14,7 +14,6 @@ use super::device::{Gpu, binding_layout, uniform_layout};
 use super::layout::{AreaTask, Batch, Counters, Hit, Ray, ShadowRay, Start};
 use super::shader::assemble;
 use super::stage_clock::StageClock;
-use super::texture_functions::weight_of;
 use crate::backend::BackendError;
 use crate::integrate::antialias::Sample;
 use crate::kernel::lens::Lens;
@@ -35,10 +34,6 @@ const MAX_AREA_POINTS: u32 = 1 << 23;
 const MAX_AREA_POINTS_SOFTWARE: u32 = 1 << 20;
 /// Rays in the queue for every sample.
 const QUEUE_DEPTH: u32 = 4;
-/// Most that user functions may weigh (`texture_functions::weight_of`) before their shaders would take minutes to compile. Measured: lavapipe works 25 s for a weight of 14 and
-/// more than a minute for 20; an H100 had not compiled 750 after 330 s, what lies between is picked by feel.
-const MAX_FUNCTION_WEIGHT: usize = 64;
-const MAX_FUNCTION_WEIGHT_SOFTWARE: usize = 24;
 /// Steps that take longer are made smaller, since drivers end what runs for two seconds and desktops stand still meanwhile; those that take
 /// less are made larger.
 const LONG_STEP: Duration = Duration::from_millis(400);
@@ -224,8 +219,6 @@ impl<'g> Wavefront<'g> {
         // Places want all their bits: another hash would choose other points of a lens.
         let camera = if gpu.has_double() { scene.camera } else { DeviceCamera::None };
         let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
-        let most = if is_software { MAX_FUNCTION_WEIGHT_SOFTWARE } else { MAX_FUNCTION_WEIGHT };
-        check_functions(weight_of(&scene.textures.shader.functions), most)?;
         let most = if is_software { MAX_SAMPLES_SOFTWARE } else { MAX_SAMPLES };
         let fitting = gpu.max_binding() / (u64::from(QUEUE_DEPTH) * size_of::<Ray>() as u64);
         let max_samples = most.min(fitting.min(u64::from(u32::MAX)) as u32).max(1024);
@@ -691,16 +684,6 @@ impl<'g> Wavefront<'g> {
     }
 }
 
-/// Refuses functions whose shaders would take minutes to compile.
-fn check_functions(weight: usize, most: usize) -> Result<(), BackendError> {
-    if weight > most {
-        let what =
-            format!("user functions that weigh {weight} calls of noise (at most {most}): their shaders would take minutes to compile");
-        return Err(BackendError::Unsupported(what));
-    }
-    Ok(())
-}
-
 /// What the stages that make rays are told of their places.
 fn camera_batch([left, top, columns, rows]: [u32; 4], lens: Option<LensPart>) -> Batch {
     let of_places = Batch { left, top, columns, rows, ..Batch::default() };
@@ -716,15 +699,6 @@ fn camera_batch([left, top, columns, rows]: [u32; 4], lens: Option<LensPart>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn functions_that_weigh_too_much_are_refused_with_their_weight() {
-        let module = "let v = noise(p, 2u);\nlet w = internal_ridge(p);\nlet q = free_value(7u, p);\n";
-        assert_eq!(weight_of(module), 7);
-        assert!(check_functions(7, 7).is_ok());
-        let refused = check_functions(weight_of(&module.repeat(4)), 24).expect_err("28 calls").to_string();
-        assert!(refused.contains("weigh 28 calls of noise (at most 24)"), "{refused}");
-    }
 
     #[test]
     fn steps_grow_while_they_are_short_and_shrink_when_they_are_long() {
