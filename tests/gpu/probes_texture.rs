@@ -17,6 +17,7 @@ use rayloom::kernel::query::KernelQuery;
 use rayloom::kernel::texture::for_texture_parts;
 use rayloom::lang::{LangOptions, parse_scene};
 use rayloom::math::{DVec2, DVec3};
+use rayloom::scene::function::internal_args;
 use rayloom::world::DiskWorld;
 use std::path::PathBuf;
 
@@ -29,6 +30,11 @@ fn gpu() -> Option<Gpu> {
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/measured")
+}
+
+/// Numbers of the built-in functions.
+fn built_in() -> impl Iterator<Item = u32> {
+    (0..100).filter(|n| internal_args(*n).is_some())
 }
 
 /// A scene of spheres with these covers, in their order.
@@ -48,7 +54,7 @@ fn scene_of(covers: &[String]) -> CompiledScene {
          #declare ASKING = function { pattern { function { MAPPED(x, y, z).blue + x } } }\n\
          #declare GREYS = function { pattern { pigment_pattern { spherical color_map { [0 rgb <1, .5, 0>] [1 rgb 0] } scale 4 } } }\n",
     );
-    for n in (0..79).filter(|n| *n != 77) {
+    for n in built_in() {
         text += &format!("#declare BUILT_IN_{n} = function {{ internal({n}) }}\n");
     }
     for cover in covers {
@@ -300,9 +306,10 @@ fn user_functions_are_the_kernels() {
 #[test]
 fn built_in_functions_are_the_kernels() {
     let Some(gpu) = gpu() else { return };
-    let numbers: Vec<u32> = (0..79).filter(|n| !matches!(n, 76 | 77)).collect();
+    let numbers: Vec<u32> = built_in().collect();
     let source = |n: &u32| {
-        let call = format!("BUILT_IN_{n}(x/5, y/5, z/5, 1.3, .7, .6, .8, .5, 1, 2, .4, .9, 1.1)");
+        let args = ["x/5", "y/5", "z/5", "1.3", ".7", ".6", ".8", ".5", "1", "2", ".4", ".9", "1.1"];
+        let call = format!("BUILT_IN_{n}({})", args[..internal_args(*n).expect("it is there")].join(", "));
         format!("function {{ .5 + .45*{call}/(1 + abs({call})) }} color_map {{ [0 rgb 0][1 rgb 1] }} frequency 0")
     };
     let mut report = Report::new();

@@ -102,3 +102,18 @@ pub(super) fn imports(text: &str) -> String {
     });
     lines.concat()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::builtin;
+    use crate::compile::function::INTERNAL_NOISE3D;
+    use crate::scene::function::internal_args;
+
+    #[test]
+    fn every_built_in_function_is_known_and_has_no_more_arguments_than_in_the_language() {
+        for (n, n_args) in (0..100).filter_map(|n| Some((n, internal_args(n)?))).filter(|(n, _)| *n != INTERNAL_NOISE3D) {
+            let (_, name, n_params) = builtin(n).unwrap_or_else(|| panic!("function {n}"));
+            assert!(3 + n_params <= n_args, "{name}: {n_params} after the point, {n_args} in all");
+        }
+    }
+}

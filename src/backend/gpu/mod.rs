@@ -45,6 +45,7 @@ use super::unfinished::{add_blocks, add_rows, add_samples, unfinished_blocks};
 use super::{Backend, BackendError, Progress};
 use crate::accel::AccelKind;
 use crate::compile::CompiledScene;
+use crate::compile::shape::IsosurfaceShape;
 use crate::film::Film;
 use crate::integrate::Antialias;
 use crate::integrate::antialias::{Block, Sample};
@@ -138,6 +139,11 @@ impl GpuBackend {
         let start = Instant::now();
         let plan = ScenePlan::new(scene, settings.width, settings.height, settings.output_alpha);
         let buffers = SceneBuffers::new(scene, &plan, self.accel_for(scene), most_written(&self.gpu)?)?;
+        // llvmpipe ends loops after 65,535 turns: a ray's search times the steps of a function.
+        let is_searched = |s: &IsosurfaceShape| buffers.textures.interpreted.contains(&s.function);
+        if self.gpu.info.device_type == wgpu::DeviceType::Cpu && scene.geometry.shapes.isosurfaces.iter().any(is_searched) {
+            return Err(BackendError::Unsupported("isosurfaces of heavy functions, in software".into()));
+        }
         let wavefront = Wavefront::new(&self.gpu, &buffers, clock)?;
         let prepared = start.elapsed().as_secs_f64();
         let camera = Arc::new(camera::CameraRays::new(scene, &plan));

@@ -219,7 +219,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// Faults of this program and of its tools, no features of scenes.
-    const FAULTS: [&str; 8] = [
+    const FAULTS: [&str; 9] = [
         "more rays in flight than the queue holds",
         "hits that send on more rays than was foreseen",
         "isosurface objects without their scene",
@@ -228,6 +228,7 @@ mod tests {
         "shader 'N': N",
         "the pattern 'N'",
         "an operation of a function",
+        "the built-in function N",
     ];
 
     /// The text in quotes after each place where a refusal begins; what is filled in is N.

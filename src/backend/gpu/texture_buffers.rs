@@ -59,6 +59,8 @@ pub struct TextureWords {
     pub pigments: Vec<u32>,
     /// Record of each normal, likewise.
     pub normals: Vec<u32>,
+    /// Functions that are interpreted.
+    pub interpreted: BTreeSet<FunctionIx>,
     /// Features and constants of the shaders that read these words.
     pub shader: ShaderOptions,
 }
@@ -75,6 +77,7 @@ pub fn encode_textures(tables: &TextureTables, roots: &TextureRoots, quick_color
         textures: vec![0; tables.textures.len()],
         pigments: vec![0; tables.pigments.len()],
         normals: vec![0; tables.normals.len()],
+        interpreted: BTreeSet::new(),
         shader: ShaderOptions::default(),
     };
     // Surfaces are searched with hundreds of calls: those are the first to be written out.
@@ -91,6 +94,7 @@ pub fn encode_textures(tables: &TextureTables, roots: &TextureRoots, quick_color
         out.normals[*ix as usize] = encoder.normal(*ix)?;
     }
     out.shader.functions = encoder.function_module(roots.most_written.unwrap_or(usize::MAX))?;
+    out.interpreted = std::mem::take(&mut encoder.functions.interpreted);
     let [n_registers, numbers_at] = encoder.functions.places;
     out.shader.constant("FUNCTION_REGISTERS", n_registers);
     out.shader.constant("FUNCTION_NUMBERS_AT", numbers_at);

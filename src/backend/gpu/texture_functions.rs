@@ -52,6 +52,7 @@ pub(super) struct FunctionText {
     pub program: FunctionProgram,
     /// Registers of the interpreter, and the place of its numbers.
     pub places: [u32; 2],
+    pub interpreted: BTreeSet<FunctionIx>,
     /// Those that shaders call with a point.
     called: Vec<FunctionIx>,
 }
@@ -154,7 +155,7 @@ impl<'t> TextureEncoder<'t> {
 
     /// The module of all functions that shaders call, after the last of them is known; empty without any. Loops in scenes declare functions by
     /// the hundred that differ in numbers at most, and drivers write out each that a `switch` names: such ones are one. Those that weigh more than `most`
-    /// (`weight_of`) with those before them are interpreted; the first to be asked for are the first to be written out.
+    /// (`weight_of`) with those before them are interpreted, all of them where it is 0; the first to be asked for are the first to be written out.
     pub fn function_module(&mut self, most: usize) -> Result<String, BackendError> {
         if self.functions.called.is_empty() {
             return Ok(String::new());
@@ -177,7 +178,7 @@ impl<'t> TextureEncoder<'t> {
             let first = group.members[0];
             let before = self.functions.written.clone();
             let places = self.write_alike(group)?;
-            if weight_of(&self.functions.written.text) > most {
+            if most == 0 || weight_of(&self.functions.written.text) > most {
                 self.functions.written = before;
                 interpreted.extend(&group.members);
                 continue;
@@ -205,6 +206,7 @@ impl<'t> TextureEncoder<'t> {
             true => (String::new(), "0.0"),
             false => (self.interpreter(&interpreted)?, "interpreted_function(function, p)"),
         };
+        self.functions.interpreted.extend(interpreted);
         let text = &self.functions.written.text;
         let imports = imports(&format!("{text}{interpreter}"));
         Ok(format!(
