@@ -2,14 +2,14 @@
 """How well the GPU's pictures agree with the CPU's, scene by scene, as docs/parity.md shows it.
 
   benches/gpu_agreement.py LIST --ours target/debug/rayloom [--size 80x60] [--jobs 2] [--limit 120] [--only TEXT] [--least 99.5]
-                           [--keep FOLDER] [--reuse cpu|all] [--out TABLE.md] [--all]
+                           [--keep FOLDER] [--reuse cpu|all] [--out TABLE.md] [--all] [--seconds S]
 
 LIST names scenes relative to POV-Ray's example folder, one a line. `rayloom povray` renders each twice in the scene's own folder of a copy
 of the examples, with `Backend=cpu` and `Backend=gpu` and otherwise the same options (+W +H -A -J -D -P +FN and the standard includes);
 `rayloom diff` compares the two pictures. A scene agrees when --least percent of its pixels are within 2/255 in every channel. The table has a
 line for each scene that does not, that the CPU rendered in the GPU's place, that draws random numbers, or that took more than --limit CPU
 seconds; --all gives one to every scene. Seconds are CPU seconds of whole runs, compiling shaders included. --reuse takes pictures that are in
---keep already: the CPU's, or all that were finished. Compiled shaders stay in --keep, too.
+--keep already: the CPU's, or all that were finished. Compiled shaders stay in --keep, too. No scene is begun after --seconds.
 """
 import argparse
 import json
@@ -17,6 +17,7 @@ import os
 import shlex
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 from povray_speed import INCLUDES, cpu_seconds, private_copy
@@ -52,7 +53,9 @@ def main():
     ap.add_argument("--reuse", choices=["cpu", "all"], default="")
     ap.add_argument("--out")
     ap.add_argument("--all", action="store_true", help="a line for every scene")
+    ap.add_argument("--seconds", type=float, default=float("inf"), help="wall-clock time after which no scene is begun")
     a = ap.parse_args()
+    end = time.monotonic() + a.seconds
     os.makedirs(a.keep, exist_ok=True)
     tree = private_copy(a.keep)
     ours = os.path.abspath(shlex.split(a.ours)[0])
@@ -78,7 +81,9 @@ def main():
         return out, log, seconds
 
     def judge(scene):
-        row = {"scene": scene[:-4], "within": None, "note": ""}
+        row = {"scene": scene[:-4], "within": None, "note": "", "cpu": None}
+        if time.monotonic() > end:
+            return {**row, "state": "not run"}
         cpu, log, row["cpu"] = run("cpu", scene)
         if row["cpu"] is None:
             return {**row, "state": "failed", "note": "CPU: " + (told(log, "error: ") or f"more than {a.limit} s")}
@@ -99,7 +104,7 @@ def main():
         for row in pool.map(judge, scenes):
             rows.append(row)
             print(f"{len(rows)}/{len(scenes)} {row['scene']}: {row['state']} {row['within'] or ''} {row['note']}", file=sys.stderr, flush=True)
-    order = ["failed", "differs", "not finished", "random", "on the CPU", "agrees"]
+    order = ["failed", "differs", "not finished", "not run", "random", "on the CPU", "agrees"]
     rows.sort(key=lambda r: (order.index(r["state"]), r["within"] or 0.0, r["scene"]))
     number = lambda v: "" if v is None else f"{v:.2f}"
     counts = ", ".join(f"{sum(r['state'] == s for r in rows)} {s}" for s in reversed(order) if any(r["state"] == s for r in rows))

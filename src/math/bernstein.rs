@@ -85,8 +85,8 @@ fn search(c: &[f64], b: &[f64; N], low: f64, high: f64, depth: u32, out: &mut Ro
 fn bracketed(c: &[f64], mut x0: f64, mut f0: f64, mut x1: f64, mut f1: f64) -> f64 {
     let mut side = 0;
     let mut x = x0;
-    for k in 0..80 {
-        x = if k % 8 == 7 { 0.5 * (x0 + x1) } else { (f0 * x1 - f1 * x0) / (f0 - f1) };
+    for k in 0..100 {
+        x = if k % 4 == 3 { 0.5 * (x0 + x1) } else { (f0 * x1 - f1 * x0) / (f0 - f1) };
         let f = c.iter().fold(0.0, |v, a| v * x + a);
         if f == 0.0 || x1 - x0 < 1e-15 {
             return x;
@@ -105,8 +105,8 @@ fn bracketed(c: &[f64], mut x0: f64, mut f0: f64, mut x1: f64, mut f1: f64) -> f
             }
             side = 2;
         }
-        // Steps of the last bit mean that nothing is left to gain.
-        if x1 - x0 == before {
+        // A half of the last bit: nothing is left to gain. (Other steps may be short at first, from an end that is nearly a root.)
+        if k % 4 == 3 && x1 - x0 == before {
             break;
         }
     }
@@ -143,6 +143,18 @@ mod tests {
         let double = roots_in_unit(&poly(&[0.25, 0.25]));
         assert!(double.len() == 1 && (double[0] - 0.25).abs() < 1e-6, "{:?}", &*double);
         assert!(roots_in_unit(&[1.0, 0.0, 1.0]).is_empty() && roots_in_unit(&[0.0, 0.0]).is_empty());
+    }
+
+    /// Rays that start on a surface: the value there is rounding, and the first steps from it are too short to be seen in the bracket's length.
+    #[test]
+    fn roots_behind_a_start_that_is_nearly_one_are_found() {
+        for nearly in [-1e-17, -3e-16, 1e-17] {
+            let c = [33.999_662_323, 22.738_283_317, -10.301_665_137, nearly];
+            let got = roots_in_unit(&c).to_vec();
+            let want = (-22.738_283_317 + f64::sqrt(22.738_283_317 * 22.738_283_317 + 4.0 * 33.999_662_323 * 10.301_665_137))
+                / (2.0 * 33.999_662_323);
+            assert!(got.iter().any(|g| (g - want).abs() < 1e-9), "{nearly}: {got:?}, not {want}");
+        }
     }
 
     #[test]

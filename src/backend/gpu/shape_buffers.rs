@@ -183,8 +183,9 @@ pub(super) fn julia_kind(s: &JuliaShape) -> Option<u32> {
 /// `is_whole`: no CSG asks for hits behind the first.
 fn julia(s: &JuliaShape, is_whole: bool) -> Vec<u32> {
     let mut w: Vec<u32> = reals(s.c.to_array()).collect();
-    w.extend([julia_kind(s).unwrap_or(0), s.max_iteration, n(s.precision), n(s.w0)]);
-    w.extend(bits3(s.w_slope));
-    w.extend([n(s.escape_sq), n(s.radius), u32::from(is_whole)]);
+    w.extend([julia_kind(s).unwrap_or(0), s.max_iteration, u32::from(is_whole)]);
+    w.extend(reals([s.precision, s.w0]));
+    w.extend(reals(s.w_slope.to_array()));
+    w.extend(reals([s.escape_sq, s.radius]));
     w
 }

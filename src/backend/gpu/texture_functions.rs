@@ -30,7 +30,8 @@ import package::shared::warp::warp_point;
 import package::shared::words::{matrix, number, vector, word};
 ";
 
-/// Most that user functions may weigh (`weight_of`) that are written out; the environment may say another number.
+/// Most that user functions may weigh (`weight_of`) that are written out, which runs faster than a program and compiles longer; the environment may say another number.
+/// Measured by benches/function_compile.sh.
 const MOST_WRITTEN: usize = 64;
 const MOST_WRITTEN_SOFTWARE: usize = 24;
 const MOST_WRITTEN_NAME: &str = "RAYLOOM_GPU_FUNCTIONS";
