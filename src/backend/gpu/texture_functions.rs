@@ -169,6 +169,8 @@ impl<'t> TextureEncoder<'t> {
             group.members.push(ix);
             group.constants.push(constants);
         }
+        // Outlines wrote what they call; whether that stays is still to be decided.
+        self.functions.written = Written::default();
         let mut groups: Vec<Alike> = alike.into_values().collect();
         groups.sort_by_key(|g| self.functions.called.iter().position(|ix| *ix == g.members[0]));
         let has_table = groups.iter().any(|g| g.members.len() > 1);
