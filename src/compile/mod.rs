@@ -315,7 +315,7 @@ fn finish(mut flattener: Flattener, scene: &Scene, options: &CompileOptions) -> 
             flattener.textures.set_pattern_object(object_ix);
         }
     }
-    let (geometry, rest) = flattener.finish();
+    let (geometry, rest) = flattener.finish(scene);
     let mut compiled = CompiledScene {
         geometry,
         textures: rest.textures.finish(),

@@ -39,12 +39,12 @@ pub fn run_program(scene: &CompiledScene, program: InsideProgram, own: u32, p: D
                 }
             }
             InsideStep::SkipOutside { box_ix, skip } => {
-                if !holds(&g.clip_boxes[box_ix as usize], p) {
+                if !g.clip_boxes[box_ix as usize].contains(p) {
                     k += skip as usize;
                 }
             }
             InsideStep::FalseOutside { box_ix, skip } => {
-                if !holds(&g.clip_boxes[box_ix as usize], p) {
+                if !g.clip_boxes[box_ix as usize].contains(p) {
                     stack <<= 1;
                     depth += 1;
                     k += skip as usize;
@@ -75,27 +75,21 @@ pub fn run_program(scene: &CompiledScene, program: InsideProgram, own: u32, p: D
     depth == 0 || stack & 1 == 1
 }
 
-/// Whether a point lies in a box, its faces included.
-#[inline(always)]
-fn holds(b: &Bounds, p: DVec3) -> bool {
-    p.cmpge(b.min).all() && p.cmple(b.max).all()
-}
-
 /// Whether world point `p` is inside object `object_ix` of `Geometry::objects` as a whole.
 pub fn inside_object(scene: &CompiledScene, object_ix: u32, p: DVec3) -> bool {
     let object = &scene.geometry.objects[object_ix as usize];
     let b = &object.inside_bounds;
-    object.inside.len > 0 && holds(b, p) && run_program(scene, object.inside, u32::MAX, p)
+    object.inside.len > 0 && b.contains(p) && run_program(scene, object.inside, u32::MAX, p)
 }
 
 /// Places for solids whose box holds a point; where more do, all are looked through.
 const N_NEAR: usize = 32;
 
-/// Calls `f` with the interiors of all visible objects that contain `p`, in the order of the file. Source: spec/light.md, section 1.
+/// Calls `f` with the interiors of all visible objects that contain `p`, in the order of [`solids`](crate::compile::geometry::Geometry::solids). Source: spec/light.md, section 1.
 pub fn containing_interiors(scene: &CompiledScene, p: DVec3, mut f: impl FnMut(u32)) {
     let g = &scene.geometry;
     let mut look = |(b, k): &(Bounds, u32)| {
-        if holds(b, p) && inside_object(scene, *k, p) {
+        if b.contains(p) && inside_object(scene, *k, p) {
             f(g.objects[*k as usize].interior_ix);
         }
     };

@@ -10,7 +10,7 @@ use crate::math::{Bounds, DVec3};
 use crate::scene::{self, Object, Shape};
 
 /// POV-Ray looks at boxes from so many objects at the top on.
-const BOXES_FROM: usize = 3;
+pub(super) const BOXES_FROM: usize = 3;
 
 /// Objects looked at to count those at the top; unions may hold each other 2^40 times, with nothing in them.
 const MAX_COUNTED: usize = 10_000;

@@ -5,6 +5,7 @@
 
 mod bounding;
 mod clip;
+mod hierarchy;
 mod inherited;
 mod prims;
 mod trees;
@@ -23,7 +24,7 @@ use crate::accel::{Accel, AccelKind, AccelOptions};
 use crate::math::{Bounds, Rgbft, Transform};
 use crate::memory::MemoryLimit;
 use crate::scene::{self, Csg, Light, Object, Shape, Texture};
-use bounding::open_ended;
+use bounding::{BOXES_FROM, open_ended};
 use inherited::Inherited;
 use std::sync::Arc;
 use trees::{BoundedPrims, SolidPrims};
@@ -153,8 +154,8 @@ impl Flattener {
         self.light(light, &Inherited::top())
     }
 
-    /// The finished tables.
-    pub fn finish(mut self) -> (Geometry, Self) {
+    /// The finished tables of what `scene` brought.
+    pub fn finish(mut self, scene: &scene::Scene) -> (Geometry, Self) {
         let mut geometry = std::mem::take(&mut self.geometry);
         geometry.shapes = std::mem::take(&mut self.leaves.shapes);
         geometry.transforms = std::mem::take(&mut self.transforms.items);
@@ -170,7 +171,10 @@ impl Flattener {
             }
         }
         let solids = geometry.objects.iter().enumerate().filter(|(_, o)| o.visible && o.solid && o.inside.len > 0);
-        geometry.solids = solids.map(|(k, o)| (o.inside_bounds, k as u32)).collect();
+        geometry.solids = solids.map(|(k, o)| (o.start_bounds, k as u32)).collect();
+        if self.n_top_level >= BOXES_FROM {
+            hierarchy::sort_solids(&mut geometry, scene);
+        }
         geometry.solids_tree = Accel::build(AccelKind::Auto, &SolidPrims(&geometry.solids), &SCENE_TREE);
         geometry.tree = Accel::build(self.accel, &BoundedPrims { geometry: &geometry }, &SCENE_TREE);
         (geometry, self)
@@ -298,6 +302,7 @@ impl Flattener {
             inside: InsideProgram::default(),
             bounds: Bounds::EMPTY,
             inside_bounds: Bounds::EMPTY,
+            start_bounds: Bounds::EMPTY,
             interior_ix: if role == Role::Visible { entered.interior_ix } else { NONE },
             visible: role == Role::Visible,
             solid: false,
@@ -311,6 +316,10 @@ impl Flattener {
         if let Some(root) = root {
             record.solid = self.nodes[root].solid;
             record.inside_bounds = open_ended(self.nodes[root].bounds);
+            record.start_bounds = record.inside_bounds;
+            if role == Role::Visible && record.solid && record.inside_bounds.is_unbounded() {
+                record.start_bounds = record.inside_bounds.intersection(open_ended(pov_extent_in(object, &entered.to_world)));
+            }
             keeps_bounds = self.nodes[root].keeps_bounds;
             let mut steps = Vec::new();
             self.writer().require(root, true, &mut steps);

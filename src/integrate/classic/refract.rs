@@ -150,8 +150,9 @@ impl Tracer<'_> {
                 next.push(scene, interior_ix);
                 (1.0 / own.ior, 1.0 / own.dispersion, own.dispersion_samples)
             }
-            (Some(last), _) if last == interior_ix => {
-                next.remove(scene, interiors.len() - 1);
+            // Parts of a union may have entered it several times: the first entry goes.
+            (Some(last), Some(position)) if last == interior_ix => {
+                next.remove(scene, position);
                 match next.last().map(|ix| self.interior(ix)) {
                     None => (own.ior, own.dispersion, own.dispersion_samples),
                     Some(o) => (own.ior / o.ior, own.dispersion / o.dispersion, own.dispersion_samples.max(o.dispersion_samples)),
