@@ -71,6 +71,9 @@ fn what_povray_warns_of_is_told() {
         ("#version 3.7; background { rgb 1 }", "No objects in scene."),
         ("#version 3.7; triangle { 0, x, 2*x }", "Degenerate triangle. Please remove."),
         ("#version 3.7; smooth_triangle { 0, z, x, -z, y, z }", "Degenerate triangle. Please remove."),
+        ("#version 3.7; sphere { 0, 1 bounded_by { box { -1, 1 } } }", "Unnecessary bounding object removed."),
+        ("#version 3.7; union { sphere { 0, 1 } sphere { x, 1 } bounded_by { box { -1, 2 } } }", "CSG union unnecessarily bounded."),
+        ("#version 3.7; camera { right x + 0.1*y } sphere { 0, 1 }", "Camera vectors are not perpendicular."),
         ("#version 3.7; declare A = 1; sphere { 0, 1 }", "'declare' should be changed to '#declare'"),
     ];
     let mut wrong = Vec::new();
@@ -80,10 +83,16 @@ fn what_povray_warns_of_is_told() {
             wrong.push(format!("{scene}: {:?} {}", ended.code, ended.said));
         }
     }
-    let quiet = "#version 3.7; global_settings { assumed_gamma 1 } light_source { 0, 1 }";
-    let ended = Folder::new().write("a.pov", quiet).render("a.pov", &[]);
-    if ended.said.contains("warning") {
-        wrong.push(format!("{quiet}: {}", ended.said));
+    let settings = "#version 3.7; global_settings { assumed_gamma 1 }";
+    for rest in [
+        "light_source { 0, 1 }",
+        "camera { location <1, 2, 3> look_at 0 rotate 40 } difference { sphere { 0, 1 } box { 0, 1 } bounded_by { box { -1, 1 } } }",
+        "merge { sphere { 0, 1 bounded_by { box { -1, 1 } } } sphere { x, 1 } } union { sphere { 0, 1 } box { 0, 1 } bounded_by { box { -1, 1 } } inverse }",
+    ] {
+        let ended = Folder::new().write("a.pov", &format!("{settings} {rest}")).render("a.pov", &[]);
+        if ended.said.contains("warning") {
+            wrong.push(format!("{rest}: {}", ended.said));
+        }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -106,8 +106,7 @@ pub(super) fn order(boxes: &[Bounds]) -> Option<Vec<u32>> {
             match parting(&items[a..b]) {
                 Some(k) => parts.extend([(a + k, b), (a, a + k)]),
                 None => {
-                    let (low, high) =
-                        items[a..b].iter().fold((Vec3::MAX, Vec3::MIN), |(l, h), item| (l.min(item.low), h.max(item.high())));
+                    let (low, high) = items[a..b].iter().fold((Vec3::MAX, Vec3::MIN), |(l, h), item| (l.min(item.low), h.max(item.high())));
                     items.push(Item { low, size: high - low, held: Some(a as u32..b as u32), object: 0 });
                     n_nodes += 1;
                 }
@@ -211,7 +210,8 @@ mod tests {
 
     #[test]
     fn all_objects_come_once_however_many() {
-        let far: Vec<Bounds> = (0..2000).map(|k| ball(f64::from(k * 7919 % 1000), f64::from(k * 104_729 % 777), f64::from(k % 91), 0.5)).collect();
+        let far: Vec<Bounds> =
+            (0..2000).map(|k| ball(f64::from(k * 7919 % 1000), f64::from(k * 104_729 % 777), f64::from(k % 91), 0.5)).collect();
         let mut all = order(&far).unwrap();
         all.sort_unstable();
         assert!(all.into_iter().eq(0..2000));

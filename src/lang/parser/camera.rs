@@ -39,6 +39,7 @@ impl Parser<'_> {
                 while let Some(t) = p.parse_transform()? {
                     camera.transform(&t);
                 }
+                p.warn_of_slant(&camera);
                 return Ok(camera);
             }
             let mut camera = p.defaults.camera.clone();
@@ -47,8 +48,18 @@ impl Parser<'_> {
             }
             let mut items = Items { confidence: 0.9, variance: 1e-4, ..Items::default() };
             p.camera_items(&mut camera, &mut items)?;
-            p.resolve_camera(camera, items)
+            let camera = p.resolve_camera(camera, items)?;
+            p.warn_of_slant(&camera);
+            Ok(camera)
         })
+    }
+
+    /// A camera whose vectors do not stand upright on each other slants its picture.
+    fn warn_of_slant(&mut self, c: &Camera) {
+        let pairs = [(c.right, c.up), (c.up, c.direction), (c.direction, c.right)];
+        if pairs.iter().any(|(a, b)| a.dot(*b).abs() > EPSILON * a.length() * b.length()) {
+            self.warn("Camera vectors are not perpendicular. Making look_at the last statement may help.");
+        }
     }
 
     fn camera_type(&mut self) -> PResult<Option<Projection>> {

@@ -4,7 +4,7 @@ use super::{PResult, Parser};
 use crate::lang::keyword::Kw;
 use crate::lang::token::{Punct, TokenKind};
 use crate::lang::value::Value;
-use crate::scene::{Object, Scene, Shape};
+use crate::scene::{Csg, Object, Scene, Shape};
 use std::sync::Arc;
 
 impl Parser<'_> {
@@ -151,8 +151,28 @@ impl Parser<'_> {
         if object.texture.is_none() && object.flags.cutaway_textures != Some(true) {
             object.texture = Some(self.defaults.texture());
         }
+        self.warn_of_bounds(&object);
         self.scene.objects.push(object);
         Ok(())
+    }
+
+    /// Bounds of simple objects and of unions that are taken apart do nothing.
+    fn warn_of_bounds(&mut self, object: &Object) {
+        let mut kind = object;
+        while let Shape::Group { child } = &kind.shape {
+            kind = child;
+        }
+        let bounded = !object.bounded_by.is_empty();
+        match &kind.shape {
+            Shape::Csg { op: Csg::Union, .. } | Shape::Text { .. } => {
+                if bounded && object.clipped_by.is_empty() && !object.flags.inverse && object.flags.split_union != Some(false) {
+                    self.warn("CSG union unnecessarily bounded.");
+                }
+            }
+            Shape::Csg { .. } | Shape::Poly { .. } | Shape::LightGroup { .. } | Shape::Light(_) => {}
+            _ if bounded => self.warn("Unnecessary bounding object removed."),
+            _ => {}
+        }
     }
 
     /// What the statements say together.
