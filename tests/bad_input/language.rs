@@ -89,7 +89,7 @@ fn what_povray_warns_of_is_told() {
         "camera { location <1, 2, 3> look_at 0 rotate 40 } difference { sphere { 0, 1 } box { 0, 1 } bounded_by { box { -1, 1 } } }",
         "merge { sphere { 0, 1 bounded_by { box { -1, 1 } } } sphere { x, 1 } } union { sphere { 0, 1 } box { 0, 1 } bounded_by { box { -1, 1 } } inverse }",
     ] {
-        let ended = Folder::new().write("a.pov", &format!("{settings} {rest}")).render("a.pov", &[]);
+        let ended = Folder::new().write("a.pov", format!("{settings} {rest}")).render("a.pov", &[]);
         if ended.said.contains("warning") {
             wrong.push(format!("{rest}: {}", ended.said));
         }

@@ -162,16 +162,18 @@ impl Parser<'_> {
         while let Shape::Group { child } = &kind.shape {
             kind = child;
         }
-        let bounded = !object.bounded_by.is_empty();
+        if object.bounded_by.is_empty() {
+            return;
+        }
         match &kind.shape {
             Shape::Csg { op: Csg::Union, .. } | Shape::Text { .. } => {
-                if bounded && object.clipped_by.is_empty() && !object.flags.inverse && object.flags.split_union != Some(false) {
+                let is_whole = !object.clipped_by.is_empty() || object.flags.inverse || object.flags.split_union == Some(false);
+                if !is_whole {
                     self.warn("CSG union unnecessarily bounded.");
                 }
             }
             Shape::Csg { .. } | Shape::Poly { .. } | Shape::LightGroup { .. } | Shape::Light(_) => {}
-            _ if bounded => self.warn("Unnecessary bounding object removed."),
-            _ => {}
+            _ => self.warn("Unnecessary bounding object removed."),
         }
     }
 
