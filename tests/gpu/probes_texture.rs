@@ -340,7 +340,7 @@ fn user_functions_that_are_interpreted_are_the_kernels() {
     for (source, distances) in sources.iter().zip(compare_some_pigments(&gpu, &sources[..10], Some(4), count)) {
         report.add(source, &distances, 0.01);
     }
-    assert!((2..8).contains(&n_written.get()), "{} of ten are written out", n_written.get());
+    assert!((1..10).contains(&n_written.get()), "{} of ten are written out", n_written.get());
     report.check();
     let other = |words: &mut TextureWords| {
         words.shader.functions = words.shader.functions.replace("operand(operands >> 16u)", "operand((operands >> 16u) ^ 1u)")
