@@ -194,9 +194,6 @@ pub struct ObjectRecord {
     pub bounds: Bounds,
     /// World box of all points that are inside; unbounded for what is inverted.
     pub inside_bounds: Bounds,
-    /// World box of the places where a ray may start inside: POV-Ray looks at its own box first, so nobody starts in the outside of an
-    /// inverted ball but within the box around it.
-    pub start_bounds: Bounds,
     /// Filling of the object as a whole, into `CompiledScene::interiors`; `NONE` for hidden objects.
     pub interior_ix: u32,
     /// Part of the picture.
@@ -277,8 +274,8 @@ pub struct Geometry {
     pub objects: Vec<ObjectRecord>,
     /// What photons are shot at, in the order of the file.
     pub photon_targets: Vec<PhotonTarget>,
-    /// Visible objects made of shapes that have an inside, with the box of that inside, in the order of POV-Ray's bounding hierarchy where it
-    /// can show, else in that of the file.
+    /// Visible objects made of shapes that have an inside, with the world box of the places where a ray may start in it, in the order of POV-Ray's
+    /// bounding hierarchy where it can show, else in that of the file.
     pub solids: Vec<(Bounds, u32)>,
     /// Tree over the boxes of `solids`, for points that may be in any of them.
     pub solids_tree: Accel,

@@ -85,7 +85,8 @@ pub fn inside_object(scene: &CompiledScene, object_ix: u32, p: DVec3) -> bool {
 /// Places for solids whose box holds a point; where more do, all are looked through.
 const N_NEAR: usize = 32;
 
-/// Calls `f` with the interiors of all visible objects that contain `p`, in the order of [`solids`](crate::compile::geometry::Geometry::solids). Source: spec/light.md, section 1.
+/// Calls `f` with the interiors of all visible objects that contain `p`, in the order of [`solids`](crate::compile::geometry::Geometry::solids).
+/// Source: spec/light.md, section 1.
 pub fn containing_interiors(scene: &CompiledScene, p: DVec3, mut f: impl FnMut(u32)) {
     let g = &scene.geometry;
     let mut look = |(b, k): &(Bounds, u32)| {

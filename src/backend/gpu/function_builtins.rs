@@ -1,5 +1,7 @@
 //! Built-in functions as the shaders know them.
 
+use std::collections::BTreeSet;
+
 /// Number, name in WGSL, parameters after the point.
 pub(super) type Builtin = (u32, &'static str, usize);
 
@@ -96,9 +98,10 @@ pub(super) fn builtin(number: u32) -> Option<&'static Builtin> {
 /// Imports of those that a text calls.
 pub(super) fn imports(text: &str) -> String {
     let lines = [("function_internal", INTERNAL), ("function_surfaces", SURFACES)].map(|(module, list)| {
-        let mut used: Vec<&str> = list.iter().map(|b| b.1).filter(|name| text.contains(&format!("{name}("))).collect();
-        used.dedup();
-        if used.is_empty() { String::new() } else { format!("import package::shared::{module}::{{{}}};\n", used.join(", ")) }
+        // Two numbers may name one function.
+        let used: BTreeSet<&str> = list.iter().map(|b| b.1).filter(|name| text.contains(&format!("{name}("))).collect();
+        let used = Vec::from_iter(used).join(", ");
+        if used.is_empty() { used } else { format!("import package::shared::{module}::{{{used}}};\n") }
     });
     lines.concat()
 }

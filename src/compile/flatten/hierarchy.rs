@@ -18,7 +18,7 @@ const BUNCH: usize = 4;
 /// Sorting may look at this many items for each one that there is; uneven parting of very many is given up, as is its order.
 const WORK: usize = 400;
 
-/// A box and what it holds: object `first`, or the items of `held`.
+/// A box and what it holds: the items of `held`, or, without any, an object.
 struct Item {
     low: Vec3,
     size: Vec3,
@@ -36,10 +36,22 @@ impl Item {
     }
 }
 
-/// Half the surface of a box.
-fn half_area(low: Vec3, high: Vec3) -> f64 {
-    let s = (high - low).as_dvec3();
-    s.x * (s.y + s.z) + s.y * s.z
+/// Corners of a box that grows around items.
+#[derive(Clone, Copy)]
+struct Hull(Vec3, Vec3);
+
+impl Hull {
+    const EMPTY: Self = Self(Vec3::MAX, Vec3::MIN);
+
+    fn including(self, item: &Item) -> Self {
+        Self(self.0.min(item.low), self.1.max(item.high()))
+    }
+
+    /// Half the surface.
+    fn half_area(self) -> f64 {
+        let s = (self.1 - self.0).as_dvec3();
+        s.x * (s.y + s.z) + s.y * s.z
+    }
 }
 
 /// The axis along which items are sorted: the largest difference between the lower corner of the last item whose upper corner exceeds
@@ -50,14 +62,7 @@ fn widest_axis(items: &[Item]) -> usize {
         least = least.min(item.low);
         most = Vec3::select(item.high().cmpgt(most), item.low, most);
     }
-    let size = most - least;
-    let mut axis = 0;
-    for k in 1..3 {
-        if size[k] > size[axis] {
-            axis = k;
-        }
-    }
-    axis
+    (most - least).max_position()
 }
 
 /// How many of the sorted items make the first part; `None`: they stay together.
@@ -67,16 +72,16 @@ fn parting(items: &[Item]) -> Option<usize> {
         return None;
     }
     let mut above = vec![0.0; n];
-    let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
+    let mut hull = Hull::EMPTY;
     for (k, item) in items.iter().enumerate().rev() {
-        (low, high) = (low.min(item.low), high.max(item.high()));
-        above[k] = half_area(low, high);
+        hull = hull.including(item);
+        above[k] = hull.half_area();
     }
     let (mut best, mut least) = (None, (n as f64 - 3.0) * above[0]);
-    (low, high) = (Vec3::MAX, Vec3::MIN);
+    hull = Hull::EMPTY;
     for k in 1..n {
-        (low, high) = (low.min(items[k - 1].low), high.max(items[k - 1].high()));
-        let cost = k as f64 * half_area(low, high) + (n - k) as f64 * above[k];
+        hull = hull.including(&items[k - 1]);
+        let cost = k as f64 * hull.half_area() + (n - k) as f64 * above[k];
         if cost < least {
             (best, least) = (Some(k), cost);
         }
@@ -85,7 +90,7 @@ fn parting(items: &[Item]) -> Option<usize> {
 }
 
 /// Objects in the order of the hierarchy over their boxes; `None` where that would take too long.
-pub(super) fn order(boxes: &[Bounds]) -> Option<Vec<u32>> {
+fn order(boxes: &[Bounds]) -> Option<Vec<u32>> {
     let (endless, bounded): (Vec<u32>, Vec<u32>) = (0..boxes.len() as u32).partition(|k| boxes[*k as usize].is_unbounded());
     let item = |k: u32| {
         let b = &boxes[k as usize];
@@ -106,7 +111,7 @@ pub(super) fn order(boxes: &[Bounds]) -> Option<Vec<u32>> {
             match parting(&items[a..b]) {
                 Some(k) => parts.extend([(a + k, b), (a, a + k)]),
                 None => {
-                    let (low, high) = items[a..b].iter().fold((Vec3::MAX, Vec3::MIN), |(l, h), item| (l.min(item.low), h.max(item.high())));
+                    let Hull(low, high) = items[a..b].iter().fold(Hull::EMPTY, Hull::including);
                     items.push(Item { low, size: high - low, held: Some(a as u32..b as u32), object: 0 });
                     n_nodes += 1;
                 }
@@ -151,7 +156,7 @@ pub(super) fn sort_solids(geometry: &mut Geometry, scene: &Scene) {
 }
 
 /// POV-Ray's boxes of the objects at the top, unions taken apart, in the order in which they are compiled.
-pub(super) fn boxes(scene: &Scene) -> Vec<Bounds> {
+fn boxes(scene: &Scene) -> Vec<Bounds> {
     let mut boxes = Vec::new();
     for light in &scene.lights {
         add_light(light, &Transform::IDENTITY, &mut boxes);

@@ -170,8 +170,6 @@ impl Flattener {
                 geometry.bounded.push(k as u32);
             }
         }
-        let solids = geometry.objects.iter().enumerate().filter(|(_, o)| o.visible && o.solid && o.inside.len > 0);
-        geometry.solids = solids.map(|(k, o)| (o.start_bounds, k as u32)).collect();
         if self.n_top_level >= BOXES_FROM {
             hierarchy::sort_solids(&mut geometry, scene);
         }
@@ -302,7 +300,6 @@ impl Flattener {
             inside: InsideProgram::default(),
             bounds: Bounds::EMPTY,
             inside_bounds: Bounds::EMPTY,
-            start_bounds: Bounds::EMPTY,
             interior_ix: if role == Role::Visible { entered.interior_ix } else { NONE },
             visible: role == Role::Visible,
             solid: false,
@@ -316,14 +313,18 @@ impl Flattener {
         if let Some(root) = root {
             record.solid = self.nodes[root].solid;
             record.inside_bounds = open_ended(self.nodes[root].bounds);
-            record.start_bounds = record.inside_bounds;
-            if role == Role::Visible && record.solid && record.inside_bounds.is_unbounded() {
-                record.start_bounds = record.inside_bounds.intersection(open_ended(pov_extent_in(object, &entered.to_world)));
-            }
             keeps_bounds = self.nodes[root].keeps_bounds;
             let mut steps = Vec::new();
             self.writer().require(root, true, &mut steps);
             record.inside = self.add_program(&steps)?;
+            if role == Role::Visible && record.solid && record.inside.len > 0 {
+                // POV-Ray looks at its own box first: nobody starts in the outside of an inverted ball but within the box around it.
+                let mut starts = record.inside_bounds;
+                if starts.is_unbounded() {
+                    starts = starts.intersection(open_ended(pov_extent_in(object, &entered.to_world)));
+                }
+                self.geometry.solids.push((starts, object_ix));
+            }
             self.assign(root, &[], InsideProgram::default(), Bounds::UNBOUNDED, &mut Vec::new())?;
             // A ray that meets the bounds of a set may meet it anywhere; only what has no end of its own gets theirs.
             if let (Some(holds), false) = (self.nodes[root].cull_box, matches!(self.nodes[root].kind, NodeKind::Leaf(_))) {

@@ -213,10 +213,9 @@ fn field_at(e: &BlobElement, d_sq: f64) -> f64 {
 /// Calls `f` with the elements whose boxes hold a point of blob space, in order.
 #[inline]
 fn near_elements<'s>(s: &'s BlobShape, p: DVec3, mut f: impl FnMut(&'s BlobElement)) {
-    let holds = |b: &Bounds| p.cmpge(b.min).all() && p.cmple(b.max).all();
     for (group, b) in s.elements.chunks(GROUP).zip(&s.groups) {
-        if holds(b) {
-            group.iter().filter(|e| holds(&e.bounds)).for_each(&mut f);
+        if b.contains(p) {
+            group.iter().filter(|e| e.bounds.contains(p)).for_each(&mut f);
         }
     }
 }

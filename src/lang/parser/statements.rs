@@ -158,12 +158,12 @@ impl Parser<'_> {
 
     /// Bounds of simple objects and of unions that are taken apart do nothing.
     fn warn_of_bounds(&mut self, object: &Object) {
+        if object.bounded_by.is_empty() {
+            return;
+        }
         let mut kind = object;
         while let Shape::Group { child } = &kind.shape {
             kind = child;
-        }
-        if object.bounded_by.is_empty() {
-            return;
         }
         match &kind.shape {
             Shape::Csg { op: Csg::Union, .. } | Shape::Text { .. } => {
